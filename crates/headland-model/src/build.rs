@@ -1,0 +1,292 @@
+//! A [`Scene`] into a [`Model`]: names are declared, then every formula is made; everything wrong is reported in one go.
+
+use headland_expr::parse::Program;
+use headland_expr::{Expr, Graph, NodeId};
+
+use crate::lower::{Lowering, Reported, Typed};
+use crate::model::{Coordinate, Element, ElementKind, Event, Guard, KinematicRow, LinearSolver, Model, Parameter, Plot, Quantity, QuasiVelocity, RunSettings};
+use crate::place::{Diagnostic, ModelError, Place};
+use crate::scene::{Data, Scene, Value};
+use crate::symbols::{Binding, DefinitionKind, Formula, Symbol, member_name, parse_key};
+use crate::units::{parse_quantity, parse_unit};
+
+impl Scene {
+    /// Checks the scene and makes the model.
+    ///
+    /// # Errors
+    /// Everything that is wrong, with places.
+    pub fn build(&self) -> Result<Model, ModelError> {
+        let graph = Graph::new();
+        let mut parts = Parts::default();
+        let mut diagnostics = {
+            let mut builder = Builder { scene: self, low: Lowering::new(&graph), parts: &mut parts };
+            builder.declare();
+            if builder.low.diagnostics.is_empty() {
+                builder.make();
+            }
+            builder.finish_units();
+            std::mem::take(&mut builder.low.diagnostics)
+        };
+        if diagnostics.is_empty() {
+            return Ok(parts.into_model(self, graph));
+        }
+        diagnostics.sort_by_key(|d| match &d.place {
+            Place::File(range) => (0, range.start),
+            _ => (1, 0),
+        });
+        diagnostics.dedup();
+        Err(ModelError { source: self.source.clone(), diagnostics })
+    }
+}
+
+/// What is put together.
+#[derive(Default)]
+pub(crate) struct Parts {
+    pub(crate) time: Option<NodeId>,
+    pub(crate) parameters: Vec<Parameter>,
+    pub(crate) coordinates: Vec<Coordinate>,
+    pub(crate) prescribed: Vec<Quantity>,
+    pub(crate) quasi_velocities: Vec<QuasiVelocity>,
+    pub(crate) kinematics: Vec<KinematicRow>,
+    pub(crate) elements: Vec<Element>,
+    pub(crate) definitions: Vec<Quantity>,
+    pub(crate) outputs: Vec<Quantity>,
+    pub(crate) guards: Vec<Guard>,
+    pub(crate) events: Vec<Event>,
+    pub(crate) plots: Vec<Plot>,
+    pub(crate) run: Option<RunSettings>,
+    pub(crate) warnings: Vec<Diagnostic>,
+}
+
+impl Parts {
+    pub(crate) fn into_model(self, scene: &Scene, graph: Graph) -> Model {
+        let title = match scene.top.iter().find(|e| e.key == "title").map(|e| &e.value.data) {
+            Some(Data::Text(text)) => text.clone(),
+            _ => scene.source.name.clone(),
+        };
+        let time = self.time.unwrap_or_else(|| graph.input_id(0));
+        let run = self.run.unwrap_or_default();
+        Model {
+            title,
+            source: scene.source.clone(),
+            graph,
+            time,
+            parameters: self.parameters,
+            coordinates: self.coordinates,
+            prescribed: self.prescribed,
+            quasi_velocities: self.quasi_velocities,
+            kinematics: self.kinematics,
+            elements: self.elements,
+            definitions: self.definitions,
+            outputs: self.outputs,
+            guards: self.guards,
+            events: self.events,
+            plots: self.plots,
+            run,
+            warnings: self.warnings,
+        }
+    }
+}
+
+impl Default for RunSettings {
+    fn default() -> Self {
+        Self {
+            from: 0.0,
+            until: 10.0,
+            tolerance: 1e-8,
+            points: 300,
+            method: "auto".into(),
+            max_step: f64::INFINITY,
+            linear_solver: LinearSolver::Ldl,
+            independent: None,
+        }
+    }
+}
+
+pub(crate) struct Builder<'s, 'g> {
+    pub(crate) scene: &'s Scene,
+    pub(crate) low: Lowering<'g>,
+    pub(crate) parts: &'s mut Parts,
+}
+
+pub(crate) type Made<T> = Result<T, Reported>;
+
+impl<'s, 'g> Builder<'s, 'g> {
+    pub(crate) fn make(&mut self) {
+        self.check_definitions();
+        self.kinematics();
+        self.constraints();
+        let power = self.low.unifier.unknown();
+        for (section, kind) in [
+            ("inertia", ElementKind::Inertia),
+            ("elastic", ElementKind::Elastic),
+            ("dissipative", ElementKind::Dissipative),
+            ("force", ElementKind::Force),
+        ] {
+            self.elements(section, kind, &power);
+        }
+        self.initial();
+        self.scales();
+        self.prescribed();
+        let before = self.low.diagnostics.len();
+        self.outputs();
+        let columns_are_right = self.low.diagnostics.len() == before;
+        self.guards();
+        self.events();
+        if columns_are_right {
+            self.plots();
+        }
+        self.run_settings();
+        self.warn();
+    }
+
+    /// The parsed value of an entry.
+    pub(crate) fn formula_of(&mut self, value: &Value) -> Made<Formula> {
+        match &value.data {
+            Data::Number(x) => {
+                Ok(Formula { program: Program::number(*x), text: x.to_string().into(), place: value.place.clone() })
+            }
+            Data::Text(text) => {
+                if let Some(Ok((x, Some(_)))) = parse_quantity(text) {
+                    let unit = text.trim().trim_start_matches(|c: char| !c.is_alphabetic() && c != '%' && c != '°' || c == 'e' || c == 'E');
+                    let mut program = Program::number(x);
+                    // The value is in SI already; the unit carries the dimension.
+                    if let Ok(u) = parse_unit(unit) {
+                        let si = u.dimension.unit(u.angle);
+                        program.items[0] = headland_expr::parse::Item::Number(x, Some(si));
+                    }
+                    return Ok(Formula { program, text: text.as_str().into(), place: value.place.clone() });
+                }
+                self.low.formula(text, &value.place)
+            }
+            other => {
+                let message = format!("found {} where an expression was expected", other.kind());
+                Err(self.low.report(value.place.clone(), message))
+            }
+        }
+    }
+
+    /// Makes every definition inside the range of its index, so that errors in unused ones are found too.
+    pub(crate) fn check_definitions(&mut self) {
+        let mut wanted: Vec<(usize, i64, DefinitionKind)> = Vec::new();
+        for (i, (_, symbol)) in self.low.symbols.by_name.iter().enumerate() {
+            if let Symbol::Definition(rules, kind) = symbol {
+                let mut members: Vec<i64> = rules.keys().copied().collect();
+                members.sort_unstable();
+                // A recurrence may define one member beyond the index; it is made only if something uses it.
+                let last = rules.values().filter_map(|r| r.binding.as_ref().map(|b| b.1)).max();
+                wanted.extend(members.into_iter().filter(|m| last.is_none_or(|n| *m <= n)).map(|m| (i, m, *kind)));
+            }
+        }
+        for (symbol, member, kind) in wanted {
+            let Ok(typed) = self.low.definition(symbol, member) else { continue };
+            let time = self.low.graph.node(self.low.time).args[0] as usize;
+            let parameters: Vec<usize> = self.parts.parameters.iter().map(|p| p.input).collect();
+            let wrong = match kind {
+                DefinitionKind::Definition => continue,
+                DefinitionKind::Prescribed => self.depends(typed.expr, |i| i != time && !parameters.contains(&i)),
+                DefinitionKind::Parameter => self.depends(typed.expr, |i| !parameters.contains(&i)),
+            };
+            if let Some(input) = wrong {
+                let (name, symbol) = match self.low.symbols.by_name.get_index(symbol) {
+                    Some((name, symbol)) => (member_name(name, member), symbol),
+                    None => continue,
+                };
+                let place = match symbol {
+                    Symbol::Definition(rules, _) => rules.get(&member).map_or(Place::Program, |r| r.formula.place.clone()),
+                    _ => Place::Program,
+                };
+                let message = match kind {
+                    DefinitionKind::Parameter => format!("the parameter `{name}` depends on `{input}`; a parameter is made of parameters only"),
+                    _ => format!("the prescribed coordinate `{name}` depends on `{input}`; it must be a function of t alone"),
+                };
+                self.low.report(place, message);
+            }
+        }
+    }
+
+    /// The name of an input for which `wrong` holds and on which an expression depends.
+    pub(crate) fn depends(&self, e: Expr<'g>, wrong: impl Fn(usize) -> bool) -> Option<String> {
+        let Expr::Node(graph, id) = e else { return None };
+        let needed = graph.needed(&[id]);
+        (0..graph.input_count())
+            .find(|&i| wrong(i) && needed.get(graph.input_id(i).index()).copied().unwrap_or(false))
+            .map(|i| graph.input_name(i))
+    }
+
+    pub(crate) fn prescribed(&mut self) {
+        for entry in self.scene.section("prescribed") {
+            let Ok(key) = parse_key(&entry.key) else { continue };
+            let Some(symbol) = self.low.symbols.by_name.get_index_of(key.name.as_str()) else { continue };
+            for (member, _) in self.low.symbols.members(key.index.as_ref()).unwrap_or_default() {
+                if let Ok(typed) = self.low.definition(symbol, member) {
+                    let name = member_name(&key.name, member);
+                    if self.parts.prescribed.iter().all(|p| p.name != name) {
+                        let quantity = self.quantity(name, typed);
+                        self.parts.prescribed.push(quantity);
+                    }
+                }
+            }
+        }
+    }
+
+    pub(crate) fn quantity(&mut self, name: String, typed: Typed<'g>) -> Quantity {
+        let unit = self.low.unifier.resolve(&typed.dimension).unit(typed.angle);
+        Quantity { name, unit, factor: 1.0, node: self.low.graph.id(typed.expr) }
+    }
+
+    pub(crate) fn warn(&mut self) {
+        if self.parts.elements.iter().all(|e| e.kind != ElementKind::Inertia) && !self.low.coordinates.is_empty() {
+            let place = self.scene.section("coordinates").first().map_or(Place::Program, |e| e.key_place.clone());
+            self.low.report(place, "the scene has no inertia element: [[inertia]] with a value and a structure");
+        }
+    }
+
+    /// Units are known when everything has been made.
+    pub(crate) fn finish_units(&mut self) {
+        for (name, symbol) in &self.low.symbols.by_name {
+            if let Symbol::Parameter(values, array) = symbol {
+                for (i, (id, dimension, angle)) in values.iter().enumerate() {
+                    let input = self.low.graph.node(*id).args[0] as usize;
+                    let unit = self.low.unifier.resolve(dimension).unit(*angle);
+                    if let Some(p) = self.parts.parameters.iter_mut().find(|p| p.input == input) {
+                        p.unit = unit;
+                    }
+                    let _ = (name, array, i);
+                }
+            }
+        }
+        self.parts.definitions = std::mem::take(&mut self.low.made)
+            .into_iter()
+            .map(|(name, node, dimension, angle)| {
+                let unit = self.low.unifier.resolve(&dimension).unit(angle);
+                Quantity { name, unit, factor: 1.0, node }
+            })
+            .collect();
+        self.parts.coordinates = std::mem::take(&mut self.low.coordinates);
+        self.parts.quasi_velocities = std::mem::take(&mut self.low.quasi_velocities);
+    }
+}
+
+/// A name with its index variable replaced: `mass[k]` becomes `mass[2]`.
+pub(crate) fn bound_name(name: &str, binding: &Binding) -> String {
+    let Some((variable, k)) = binding else { return name.to_string() };
+    let mut result = String::new();
+    let mut rest = name;
+    while let Some(open) = rest.find('[') {
+        let Some(close) = rest[open..].find(']').map(|i| open + i) else { break };
+        let inside = &rest[open + 1..close];
+        result.push_str(&rest[..=open]);
+        let value = headland_expr::parse::parse(inside).ok().and_then(|p| {
+            crate::symbols::Symbols::default().index_value(&p, &[(variable.clone(), *k)]).ok()
+        });
+        match value {
+            Some(i) => result.push_str(&i.to_string()),
+            None => result.push_str(inside),
+        }
+        result.push(']');
+        rest = &rest[close + 1..];
+    }
+    result.push_str(rest);
+    if result == name { format!("{name}[{k}]") } else { result }
+}

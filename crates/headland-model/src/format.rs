@@ -1,0 +1,244 @@
+//! The scene format, one row a section and a key: read by the reader, the checks, the JSON Schema and the manual.
+
+use serde_json::{Map, Value, json};
+
+/// How a section is written.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Shape {
+    /// `key = …` at the top of the file.
+    Top,
+    /// `[section]`, the keys are the scene's own names.
+    Names,
+    /// `[section]`, the keys are fixed.
+    Keys,
+    /// `[[section]]`, once an element.
+    Elements,
+}
+
+/// What a key takes.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Kind {
+    /// A text.
+    Text,
+    /// A number, a quantity with a unit, or an expression.
+    Expression,
+    /// An expression, or an array of them.
+    Expressions,
+    /// A list of texts.
+    Texts,
+    /// true or false.
+    Flag,
+    /// A unit.
+    Unit,
+    /// A table `{ x = [..], y = [..] }`.
+    Points,
+}
+
+/// One key of a section.
+#[derive(Clone, Copy, Debug)]
+pub struct Key {
+    /// Its name.
+    pub name: &'static str,
+    /// What it takes.
+    pub kind: Kind,
+    /// True if it must be there.
+    pub required: bool,
+    /// What it means.
+    pub doc: &'static str,
+}
+
+/// One section of the file.
+#[derive(Clone, Copy, Debug)]
+pub struct Section {
+    /// Its name.
+    pub name: &'static str,
+    /// How it is written.
+    pub shape: Shape,
+    /// What the values of a section of names are.
+    pub kind: Kind,
+    /// Its keys, where they are fixed.
+    pub keys: &'static [Key],
+    /// What it is for.
+    pub doc: &'static str,
+}
+
+const fn key(name: &'static str, kind: Kind, required: bool, doc: &'static str) -> Key {
+    Key { name, kind, required, doc }
+}
+
+const fn names(name: &'static str, kind: Kind, doc: &'static str) -> Section {
+    Section { name, shape: Shape::Names, kind, keys: &[], doc }
+}
+
+const fn elements(name: &'static str, keys: &'static [Key], doc: &'static str) -> Section {
+    Section { name, shape: Shape::Elements, kind: Kind::Text, keys, doc }
+}
+
+const NAME: Key = key("name", Kind::Text, true, "name, with an index for a family: `mass[k]`");
+const GEOMETRIC: Key = key("geometric", Kind::Expression, false, "structure d(q, t): a coordinate of the element");
+const IMPLICIT: Key =
+    key("implicit", Kind::Expression, false, "structure d'(q, q', t): its rate by the coordinates' rates");
+const EXPLICIT: Key =
+    key("explicit", Kind::Expression, false, "structure d'(q, u, t): its rate by the quasi-velocities");
+
+/// The sections, in the order of the manual.
+pub const SECTIONS: &[Section] = &[
+    Section { name: "title", shape: Shape::Top, kind: Kind::Text, keys: &[], doc: "what the scene is, in a line" },
+    Section { name: "description", shape: Shape::Top, kind: Kind::Text, keys: &[], doc: "more about it: source, conventions" },
+    names("indices", Kind::Expression, "index = number of members: `k = \"len(l)\"`; members count from 1"),
+    names(
+        "parameters",
+        Kind::Expressions,
+        "numbers (`4`), quantities (`\"4 m\"`), arrays of them, or expressions of other parameters; all can be set from outside",
+    ),
+    names(
+        "tables",
+        Kind::Points,
+        "functions by points, `mu = { x = [..], y = [..], x_unit = \"m\", y_unit = \"1\" }`, used as `mu(x)`: natural cubic spline",
+    ),
+    names("coordinates", Kind::Unit, "generalised coordinates q and their units: `\"theta[k]\" = \"rad\"`"),
+    names("quasi_velocities", Kind::Unit, "quasi-velocities u and their units; without them the independent rates serve"),
+    names("prescribed", Kind::Expression, "coordinates that are given functions of the time t"),
+    names("definitions", Kind::Expression, "named intermediate expressions; `\"psi[k+1]\"` from `psi[k]` is a recurrence"),
+    names("kinematics", Kind::Expression, "form (2): `\"x'\" = ..` by quasi-velocities, coordinates and time"),
+    elements(
+        "constraint",
+        &[NAME, key("equation", Kind::Text, true, "an equation linear in the rates: `x'*sin(theta) = y'*cos(theta)`")],
+        "velocity constraints, form (1): the program solves them for the dependent rates",
+    ),
+    elements(
+        "inertia",
+        &[NAME, key("value", Kind::Expression, true, "mass or moment of inertia"), GEOMETRIC, IMPLICIT, EXPLICIT],
+        "inertia elements {value, structure}",
+    ),
+    elements(
+        "elastic",
+        &[NAME, key("value", Kind::Expression, true, "stiffness c: force -c d, energy c d^2/2"), GEOMETRIC],
+        "elastic elements {stiffness, deformation}",
+    ),
+    elements(
+        "dissipative",
+        &[NAME, key("value", Kind::Expression, true, "damping b: force -b d'"), GEOMETRIC, IMPLICIT, EXPLICIT],
+        "dissipative elements {damping, structure}",
+    ),
+    elements(
+        "force",
+        &[NAME, key("value", Kind::Expression, true, "force or moment along the structure"), GEOMETRIC, IMPLICIT, EXPLICIT],
+        "force elements {force, structure}",
+    ),
+    names("initial", Kind::Expression, "initial values of coordinates (`theta`), quasi-velocities (`v`) and rates (`theta'`)"),
+    names("scale", Kind::Expression, "typical size of a state: its absolute tolerance is the relative one times this (1 in SI units)"),
+    elements(
+        "guard",
+        &[
+            NAME,
+            key("quantity", Kind::Expression, true, "what is watched"),
+            key("warn_below", Kind::Expression, false, "a warning when the quantity falls below"),
+            key("stop_below", Kind::Expression, false, "the run stops with an error when the quantity falls below"),
+            key("message", Kind::Text, false, "what it means"),
+        ],
+        "limits of validity, watched while running",
+    ),
+    elements(
+        "event",
+        &[
+            NAME,
+            key("quantity", Kind::Expression, true, "the event is where this changes sign"),
+            key("direction", Kind::Text, false, "`rising`, `falling` or `both` (default)"),
+            key("stop", Kind::Flag, false, "true: the run ends there"),
+        ],
+        "events located and logged while running",
+    ),
+    Section {
+        name: "outputs",
+        shape: Shape::Keys,
+        kind: Kind::Text,
+        keys: &[key("columns", Kind::Texts, false, "names or expressions, with an optional unit: `\"v_C[k]\"`, `\"power [kW]\"`")],
+        doc: "the columns of trajectory.csv; without it coordinates and quasi-velocities",
+    },
+    elements(
+        "plot",
+        &[
+            key("title", Kind::Text, true, "title; its file name follows from it"),
+            key("x", Kind::Text, false, "a column; `t` by default"),
+            key("y", Kind::Texts, true, "columns; `v_C[k]` stands for all members"),
+            key("equal_axes", Kind::Flag, false, "the same scale along both axes"),
+        ],
+        "plots drawn by `--plot`",
+    ),
+    Section {
+        name: "run",
+        shape: Shape::Keys,
+        kind: Kind::Text,
+        keys: &[
+            key("until", Kind::Expression, false, "end of the run"),
+            key("from", Kind::Expression, false, "start of the run, 0 by default"),
+            key("tolerance", Kind::Expression, false, "relative tolerance, 1e-8 by default"),
+            key("points", Kind::Expression, false, "number of output intervals, 300 by default"),
+            key("method", Kind::Text, false, "`auto`, `dop853`, `cvode-bdf`, `cvode-adams`"),
+            key("linear_solver", Kind::Text, false, "`ldl` (default) or `crout` for M u' = F"),
+            key("independent", Kind::Texts, false, "the independent rates, instead of the program's choice: `[\"x'\"]`"),
+            key("max_step", Kind::Expression, false, "longest step"),
+        ],
+        doc: "settings of a run; options of the command line go before them",
+    },
+];
+
+/// The JSON Schema (draft 2020-12) of scene files, for editors.
+pub fn json_schema() -> Value {
+    let mut properties = Map::new();
+    for section in SECTIONS {
+        let body = match section.shape {
+            Shape::Top => kind_schema(section.kind),
+            Shape::Names => json!({ "type": "object", "additionalProperties": kind_schema(section.kind) }),
+            Shape::Keys => keys_schema(section.keys),
+            Shape::Elements => json!({ "type": "array", "items": keys_schema(section.keys) }),
+        };
+        properties.insert(section.name.into(), with_doc(body, section.doc));
+    }
+    json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "headland scene",
+        "type": "object",
+        "properties": properties,
+        "additionalProperties": false,
+    })
+}
+
+fn with_doc(mut schema: Value, doc: &str) -> Value {
+    if let Some(object) = schema.as_object_mut() {
+        object.insert("description".into(), doc.into());
+    }
+    schema
+}
+
+fn keys_schema(keys: &[Key]) -> Value {
+    let properties: Map<String, Value> =
+        keys.iter().map(|k| (k.name.into(), with_doc(kind_schema(k.kind), k.doc))).collect();
+    let required: Vec<&str> = keys.iter().filter(|k| k.required).map(|k| k.name).collect();
+    json!({ "type": "object", "properties": properties, "required": required, "additionalProperties": false })
+}
+
+fn kind_schema(kind: Kind) -> Value {
+    let expression = json!({ "type": ["number", "string"] });
+    match kind {
+        Kind::Text | Kind::Unit => json!({ "type": "string" }),
+        Kind::Flag => json!({ "type": "boolean" }),
+        Kind::Expression => expression,
+        Kind::Expressions => {
+            json!({ "anyOf": [expression, { "type": "array", "items": expression }] })
+        }
+        Kind::Texts => json!({ "type": "array", "items": { "type": "string" } }),
+        Kind::Points => json!({
+            "type": "object",
+            "properties": {
+                "x": { "type": "array", "items": { "type": "number" } },
+                "y": { "type": "array", "items": { "type": "number" } },
+                "x_unit": { "type": "string" },
+                "y_unit": { "type": "string" },
+            },
+            "required": ["x", "y"],
+            "additionalProperties": false,
+        }),
+    }
+}

@@ -1,0 +1,59 @@
+//! Scene files and the models that equations are derived from.
+//!
+//! ```
+//! let text = r#"
+//! title = "pendulum"
+//! [parameters]
+//! m = "1 kg"
+//! l = "0.5 m"
+//! g = "9.81 m/s^2"
+//! [coordinates]
+//! phi = "rad"
+//! [[inertia]]
+//! name = "bob, x"
+//! value = "m"
+//! geometric = "l*sin(phi)"
+//! [[inertia]]
+//! name = "bob, y"
+//! value = "m"
+//! geometric = "-l*cos(phi)"
+//! [[force]]
+//! name = "weight"
+//! value = "-m*g"
+//! geometric = "-l*cos(phi)"
+//! [initial]
+//! phi = "30 deg"
+//! "phi'" = 0
+//! "#;
+//! let mut scene = headland_model::Scene::parse("pendulum.toml", text)?;
+//! scene.set("l", "0.4")?; // still metres
+//! let model = scene.build()?;
+//! assert_eq!(model.coordinates[0].name, "phi");
+//! # Ok::<(), headland_model::ModelError>(())
+//! ```
+//!
+//! In order: [`format`](mod@format) is the table of sections and keys, [`read`] makes a [`Scene`] of TOML, [`scene`] holds it as plain
+//! data, [`units`] and [`dimension`] know quantities, [`symbols`] the scene's names and families, [`lower`] turns
+//! expressions into the graph with their dimensions checked, [`build`] puts the [`Model`] together.
+
+pub mod build;
+mod declare;
+pub mod dimension;
+pub mod format;
+pub mod lower;
+mod mechanics;
+pub mod model;
+pub mod place;
+mod present;
+pub mod read;
+pub mod scene;
+mod start;
+pub mod symbols;
+pub mod units;
+
+pub use model::{
+    Coordinate, Direction, Element, ElementKind, Event, Guard, KinematicRow, LinearSolver, Model, Parameter, Plot,
+    Quantity, QuasiVelocity, RowForm, RunSettings, StructureForm,
+};
+pub use place::{Diagnostic, ModelError, Place, Source};
+pub use scene::{Data, Entry, Scene, Value};

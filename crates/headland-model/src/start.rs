@@ -1,0 +1,129 @@
+//! Initial values and scales of a scene's states.
+
+use headland_expr::parse::suggestion;
+
+use crate::build::{Builder, Made};
+use crate::dimension::Dimension;
+use crate::lower::per_time;
+use crate::place::Place;
+use crate::scene::Entry;
+use crate::symbols::{Binding, Formula, Symbol, parse_key};
+
+impl<'g> Builder<'_, 'g> {
+    pub(crate) fn initial(&mut self) {
+        for entry in self.scene.section("initial") {
+            let _ = self.initial_value(entry);
+        }
+        let missing: Vec<String> = self
+            .low
+            .coordinates
+            .iter()
+            .filter(|c| c.initial.is_none())
+            .map(|c| c.name.clone())
+            .chain(self.low.quasi_velocities.iter().filter(|u| u.initial.is_none()).map(|u| u.name.clone()))
+            .collect();
+        if !missing.is_empty() {
+            let place = match self.scene.section("initial").first() {
+                Some(entry) => entry.key_place.clone(),
+                None => self.scene.section("coordinates").first().map_or(Place::Program, |e| e.key_place.clone()),
+            };
+            let shown: Vec<String> = missing.iter().take(8).map(|n| format!("`{n}`")).collect();
+            let more = if missing.len() > 8 { format!(" and {} more", missing.len() - 8) } else { String::new() };
+            let message = format!("too few initial values: [initial] lacks {}{more}", shown.join(", "));
+            self.low.report(place, message);
+        }
+    }
+
+    pub(crate) fn initial_value(&mut self, entry: &Entry) -> Made<()> {
+        let place = entry.key_place.clone();
+        let (base, kind, primes, members) = self.state_key(entry)?;
+        let formula = self.formula_of(&entry.value)?;
+        for (member, binding) in members {
+            let i = base + (member.max(1) - 1) as usize;
+            let typed = self.low.lower(&formula, &binding)?;
+            let (dimension, angle) = if kind { self.low.coordinate_types[i].clone() } else { self.low.quasi_types[i].clone() };
+            let what = format!("the initial value of `{}`", entry.key);
+            self.demand(&typed, &per_time(&dimension, primes), angle, &formula, &what)?;
+            if self.evaluate(typed.expr).is_none() {
+                let message = format!("{what} must be a finite number made of parameters, but is `{}`", formula.text);
+                return Err(self.low.report(formula.place, message));
+            }
+            let node = self.low.graph.id(typed.expr);
+            let slot = match (kind, primes) {
+                (true, 0) => &mut self.low.coordinates[i].initial,
+                (true, _) => &mut self.low.coordinates[i].initial_rate,
+                (false, _) => &mut self.low.quasi_velocities[i].initial,
+            };
+            if slot.is_some() && binding.is_some() {
+                continue; // a fixed member goes before the family
+            }
+            if slot.is_some() && !entry.key.contains('[') {
+                return Err(self.low.report(place, format!("`{}` has two initial values", entry.key)));
+            }
+            *slot = Some(node);
+        }
+        Ok(())
+    }
+
+    /// The states that a key of `[initial]` or `[scale]` names: first index, coordinate or quasi-velocity, primes, members.
+    #[allow(clippy::type_complexity)]
+    pub(crate) fn state_key(&mut self, entry: &Entry) -> Made<(usize, bool, u8, Vec<(i64, Binding)>)> {
+        let place = entry.key_place.clone();
+        let mut key = parse_key(&entry.key).map_err(|m| self.low.report(place.clone(), m))?;
+        if let Some(index) = &mut key.index {
+            let _ = self.low.symbols.fold_lengths(index);
+        }
+        let found = match self.low.symbols.by_name.get(key.name.as_str()) {
+            Some(Symbol::Coordinate(base, n)) if key.primes <= 1 => Some((*base, true, *n)),
+            Some(Symbol::QuasiVelocity(base, n)) if key.primes == 0 => Some((*base, false, *n)),
+            _ => None,
+        };
+        let Some((base, kind, count)) = found else {
+            let states = self.low.symbols.by_name.iter().filter(|(_, s)| matches!(s, Symbol::Coordinate(..) | Symbol::QuasiVelocity(..)));
+            let hint = suggestion(&key.name, states.map(|(n, _)| &**n));
+            let message = format!("`{}` is not a coordinate, its rate or a quasi-velocity{hint}", entry.key);
+            return Err(self.low.report(place, message));
+        };
+        let members = self.low.symbols.members(key.index.as_ref()).map_err(|m| self.low.report(place.clone(), m))?;
+        if members.iter().any(|(m, _)| (*m == 0) != (count == 0) || *m > count || *m < 0) {
+            let message = format!("`{}` does not exist: `{}` has {} member(s)", entry.key, key.name, count.max(1));
+            return Err(self.low.report(place, message));
+        }
+        Ok((base, kind, key.primes, members))
+    }
+
+    pub(crate) fn scales(&mut self) {
+        for entry in self.scene.section("scale") {
+            let _ = self.scale(entry);
+        }
+    }
+
+    pub(crate) fn scale(&mut self, entry: &Entry) -> Made<()> {
+        let (base, kind, _, members) = self.state_key(entry)?;
+        let formula = self.formula_of(&entry.value)?;
+        for (member, binding) in members {
+            let i = base + (member.max(1) - 1) as usize;
+            let (dimension, angle) = if kind { self.low.coordinate_types[i].clone() } else { self.low.quasi_types[i].clone() };
+            let x = self.number(&formula, &binding, &dimension, angle, &format!("the scale of `{}`", entry.key))?;
+            if x <= 0.0 {
+                return Err(self.low.report(formula.place, format!("the scale of `{}` must be positive, found {x}", entry.key)));
+            }
+            let slot = if kind { &mut self.low.coordinates[i].scale } else { &mut self.low.quasi_velocities[i].scale };
+            *slot = x;
+        }
+        Ok(())
+    }
+
+    /// A number made of parameters, of a given dimension.
+    pub(crate) fn number(&mut self, formula: &Formula, binding: &Binding, d: &Dimension, angle: bool, what: &str) -> Made<f64> {
+        let typed = self.low.lower(formula, binding)?;
+        self.demand(&typed, d, angle, formula, what)?;
+        match self.evaluate(typed.expr) {
+            Some(x) => Ok(x),
+            None => {
+                let message = format!("{what} must be a finite number made of parameters, but is `{}`", formula.text);
+                Err(self.low.report(formula.place.clone(), message))
+            }
+        }
+    }
+}
