@@ -1,0 +1,254 @@
+//! [`derive()`]: a model to its equations of motion, by both algorithms where both are cheap.
+
+use headland_expr::{Dual, Expr, NodeId};
+use headland_model::{ElementKind, LinearSolver, Model, StructureForm};
+
+use crate::combine::{derive_combined, does_not_apply};
+use crate::compare::compare_derivations;
+use crate::direct::{MassForm, derive_direct};
+use crate::energy::{Energies, form_energies};
+use crate::error::DeriveError;
+use crate::kinematics::{Kinematics, solve_kinematics};
+use crate::sample::start_inputs;
+use crate::scalar_inertia::check_scalar_inertia;
+use crate::solve::{packed, solve_crout, solve_ldl, unpack};
+use crate::structures::{Flow, form_structures};
+
+/// Which derivation.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Algorithm {
+    /// Both where both apply and are cheap; the one with fewer operations is kept.
+    #[default]
+    Cheaper,
+    /// [10]: structures differentiated by the quasi-velocities.
+    Direct,
+    /// [9]: holonomic equations combined with G.
+    Combine,
+}
+
+/// What is asked of a derivation.
+#[derive(Clone, Copy, Debug)]
+pub struct DeriveOptions {
+    /// Which derivation.
+    pub algorithm: Algorithm,
+    /// Compare both at random states; on by default in debug builds.
+    pub compare: bool,
+    /// Largest number of quasi-velocities for which the solution of `M u′ = F` is unrolled.
+    pub unroll: usize,
+}
+
+impl Default for DeriveOptions {
+    fn default() -> Self {
+        Self { algorithm: Algorithm::Cheaper, compare: cfg!(debug_assertions), unroll: 8 }
+    }
+}
+
+/// Equations (2) and (9) over the model's graph.
+#[derive(Clone, Debug)]
+pub struct Equations {
+    /// Quasi-velocities and rates.
+    pub kinematics: Kinematics,
+    /// `G′ u + g′`: second rates of the coordinates at `u′ = 0`.
+    pub drift: Vec<NodeId>,
+    /// `G`, one row a coordinate.
+    pub g: Vec<Vec<NodeId>>,
+    /// Lower triangle of M, row by row.
+    pub mass: Vec<NodeId>,
+    /// F
+    pub force: Vec<NodeId>,
+    /// `u′` unrolled, where there are few quasi-velocities.
+    pub accelerations: Option<Vec<NodeId>>,
+    /// Rates of the structures, one an element.
+    pub structure_rates: Vec<NodeId>,
+    /// Structural matrices, one row an element.
+    pub structure_matrix: Vec<Vec<NodeId>>,
+    /// Energies and powers.
+    pub energies: Energies,
+    /// Which solver of `M u′ = F`.
+    pub linear_solver: LinearSolver,
+    /// Which algorithm was kept, and why.
+    pub algorithm: &'static str,
+    /// Why, in a sentence.
+    pub why: String,
+    /// Largest relative difference of the two algorithms at random states, where they were compared.
+    pub difference: Option<f64>,
+}
+
+/// Derives the equations of motion; the start of the model chooses the independent rates.
+///
+/// # Errors
+/// [`DeriveError`] says what the model lacks.
+pub fn derive(model: &Model, options: &DeriveOptions) -> Result<Equations, DeriveError> {
+    derive_at(model, &start_inputs(model), options)
+}
+
+/// Derives the equations with the independent rates chosen at the given inputs of the graph.
+///
+/// # Errors
+/// As [`derive()`].
+pub fn derive_at(model: &Model, inputs: &[f64], options: &DeriveOptions) -> Result<Equations, DeriveError> {
+    let graph = &model.graph;
+    let kinematics = solve_kinematics(model, inputs, &mass_diagonal(model, inputs))?;
+    let structures = form_structures(model, &kinematics)?;
+    check_scalar_inertia(model, &kinematics, &structures)?;
+    let chosen = choose(model, &kinematics, &structures, options)?;
+    check_mass(model, &kinematics, &chosen.form, inputs)?;
+
+    let n = kinematics.quasi.len();
+    let solver = model.run.linear_solver;
+    let accelerations = (n <= options.unroll).then(|| {
+        let mut f = chosen.form.f.clone();
+        match solver {
+            LinearSolver::Ldl => solve_ldl(&mut chosen.form.m.clone(), &mut f),
+            LinearSolver::Crout => solve_crout(&mut unpack(&chosen.form.m, n), &mut f),
+        }
+        f.into_iter().map(|e| graph.id(e)).collect()
+    });
+    let ids = |es: &[Expr<'_>]| -> Vec<NodeId> { es.iter().map(|e| graph.id(*e)).collect() };
+    let mut g = vec![Vec::with_capacity(n); kinematics.rates.len()];
+    for u in &kinematics.quasi {
+        let input = model.input_index(u.u);
+        for (row, e) in g.iter_mut().zip(graph.tangent(&kinematics.rates, |i| (i == input).then_some(Expr::Const(1.0)))) {
+            row.push(graph.id(e));
+        }
+    }
+    Ok(Equations {
+        drift: ids(&Flow::new(model, &kinematics).rate_of(&kinematics.rates)),
+        g,
+        mass: ids(&chosen.form.m),
+        force: ids(&chosen.form.f),
+        accelerations,
+        structure_rates: ids(&structures.rate),
+        structure_matrix: structures.w.iter().map(|row| ids(row)).collect(),
+        energies: form_energies(model, &kinematics, &structures),
+        linear_solver: solver,
+        algorithm: chosen.algorithm,
+        why: chosen.why,
+        difference: chosen.difference,
+        kinematics,
+    })
+}
+
+struct Chosen<'g> {
+    form: MassForm<'g>,
+    algorithm: &'static str,
+    why: String,
+    difference: Option<f64>,
+}
+
+/// Both derivations where that is wanted; the cheaper one is kept.
+fn choose<'g>(
+    model: &'g Model,
+    kinematics: &Kinematics,
+    structures: &crate::structures::Structures<'g>,
+    options: &DeriveOptions,
+) -> Result<Chosen<'g>, DeriveError> {
+    let graph = &model.graph;
+    let obstacle = does_not_apply(model);
+    if let (Algorithm::Combine, Some(reason)) = (options.algorithm, &obstacle) {
+        return Err(DeriveError::CombineDoesNotApply { reason: reason.clone() });
+    }
+    let direct = derive_direct(model, kinematics, structures);
+    if let Some(reason) = obstacle {
+        let why = format!("`combine` does not apply: {reason}");
+        return Ok(Chosen { form: direct, algorithm: "direct", why, difference: None });
+    }
+    if options.algorithm == Algorithm::Direct && !options.compare {
+        return Ok(Chosen { form: direct, algorithm: "direct", why: "asked for".into(), difference: None });
+    }
+    let combined = derive_combined(model, kinematics, structures);
+    let difference = if options.compare { Some(compare_derivations(model, &direct, &combined)?) } else { None };
+    let operations = |form: &MassForm<'g>| {
+        let ids: Vec<NodeId> = form.m.iter().chain(&form.f).map(|e| graph.id(*e)).collect();
+        graph.operations(&ids)
+    };
+    let (a, b) = (operations(&direct), operations(&combined));
+    let asked = options.algorithm != Algorithm::Cheaper;
+    let keep_direct = if asked { options.algorithm == Algorithm::Direct } else { a <= b };
+    let why = if asked { "asked for".into() } else { format!("{a} operations by direct, {b} by combine") };
+    let (form, algorithm) = if keep_direct { (direct, "direct") } else { (combined, "combine") };
+    Ok(Chosen { form, algorithm, why, difference })
+}
+
+/// Positive pivots of `L D Lᵀ` at the start.
+fn check_mass(model: &Model, kinematics: &Kinematics, form: &MassForm<'_>, inputs: &[f64]) -> Result<(), DeriveError> {
+    let graph = &model.graph;
+    let n = kinematics.quasi.len();
+    let ids: Vec<NodeId> = form.m.iter().map(|e| graph.id(*e)).collect();
+    let mut m = graph.eval(&ids, inputs);
+    let diagonal: Vec<f64> = (0..n).map(|i| m[packed(i, i)]).collect();
+    if let Some(k) = m.iter().position(|x| !x.is_finite()) {
+        return Err(DeriveError::NotFinite { name: format!("the mass matrix (entry {k})"), value: m[k] });
+    }
+    solve_ldl(&mut m, &mut vec![0.0; n]);
+    for i in 0..n {
+        let pivot = m[packed(i, i)];
+        if pivot.is_nan() || pivot <= 1e-13 * diagonal[i].abs() {
+            return Err(DeriveError::SingularMass { name: kinematics.quasi[i].name.clone(), pivot });
+        }
+    }
+    Ok(())
+}
+
+/// Diagonal of the mass matrix of the coordinates without constraints, `Σ J (∂d′/∂q′_j)²`, as numbers.
+fn mass_diagonal(model: &Model, inputs: &[f64]) -> Vec<f64> {
+    if model.kinematics.iter().all(|r| matches!(r.form, headland_model::RowForm::Rate(..))) {
+        return vec![0.0; model.coordinates.len()]; // nothing to choose
+    }
+    let inertial: Vec<_> = model
+        .elements
+        .iter()
+        .filter(|e| e.kind == ElementKind::Inertia && e.form != StructureForm::Explicit)
+        .collect();
+    let structures: Vec<NodeId> = inertial.iter().map(|e| e.structure).collect();
+    let values = model.graph.eval(&inertial.iter().map(|e| e.value).collect::<Vec<_>>(), inputs);
+    let mut x: Vec<Dual<f64>> = inputs.iter().map(|v| Dual::new(*v, 0.0)).collect();
+    model
+        .coordinates
+        .iter()
+        .map(|c| {
+            let slots = [model.input_index(c.q), model.input_index(c.rate)];
+            let mut sum = 0.0;
+            for (form, slot) in [(StructureForm::Geometric, slots[0]), (StructureForm::Implicit, slots[1])] {
+                x[slot].dot = 1.0;
+                let rates = model.graph.eval(&structures, &x);
+                x[slot].dot = 0.0;
+                let terms = inertial.iter().zip(&values).zip(rates).filter(|((e, _), _)| e.form == form);
+                sum += terms.map(|((_, j), w)| j * w.dot * w.dot).filter(|x| x.is_finite()).sum::<f64>();
+            }
+            sum
+        })
+        .collect()
+}
+
+impl Equations {
+    /// The nodes with rates and second rates of the coordinates put in: functions of t, q, u and u′ alone.
+    pub fn by_state(&self, model: &Model, nodes: &[NodeId]) -> Vec<NodeId> {
+        let graph = &model.graph;
+        let mut replaced: Vec<Option<Expr<'_>>> = vec![None; graph.input_count()];
+        for (i, c) in model.coordinates.iter().enumerate() {
+            if self.kinematics.rates[i] == c.rate {
+                continue; // an independent rate is a quasi-velocity itself
+            }
+            replaced[model.input_index(c.rate)] = Some(graph.expr(self.kinematics.rates[i]));
+            let mut second = graph.expr(self.drift[i]);
+            for (k, u) in self.kinematics.quasi.iter().enumerate() {
+                second = second + graph.expr(self.g[i][k]) * graph.expr(u.acceleration);
+            }
+            replaced[model.input_index(c.acceleration)] = Some(second);
+        }
+        graph.substitute(nodes, |i| replaced[i]).into_iter().map(|e| graph.id(e)).collect()
+    }
+
+    /// Degrees of freedom in a sentence: coordinates, less constraints, less prescribed motions.
+    pub fn freedom(&self, model: &Model) -> String {
+        let (s, p) = (model.coordinates.len(), model.prescribed.len());
+        format!(
+            "{} degree(s) of freedom = {} coordinates - {} velocity constraints - {} prescribed",
+            self.kinematics.quasi.len(),
+            s + p,
+            self.kinematics.constraints,
+            p
+        )
+    }
+}

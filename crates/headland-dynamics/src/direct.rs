@@ -1,0 +1,41 @@
+//! Algorithm [10], direct: structures differentiated with respect to the quasi-velocities, equations (3) and (9).
+
+use headland_expr::Expr;
+use headland_model::Model;
+
+use crate::kinematics::Kinematics;
+use crate::solve::packed;
+use crate::structures::Structures;
+
+/// `M u′ = F`: M as a packed lower triangle.
+#[derive(Clone, Debug)]
+pub struct MassForm<'g> {
+    /// Lower triangle of M, row by row.
+    pub m: Vec<Expr<'g>>,
+    /// F
+    pub f: Vec<Expr<'g>>,
+}
+
+/// ```text
+/// M = Σ J Wᵀ W        F = Σ Wᵀ P − Σ J Wᵀ bias
+/// ```
+/// Nothing that cancels is formed: M is not differentiated from an energy, F not by setting u′ = 0 in U.
+pub fn derive_direct<'g>(model: &Model, kinematics: &Kinematics, s: &Structures<'g>) -> MassForm<'g> {
+    let n = kinematics.quasi.len();
+    let mut m = vec![Expr::Const(0.0); n * (n + 1) / 2];
+    let mut f = vec![Expr::Const(0.0); n];
+    for e in 0..model.elements.len() {
+        let p = s.force[e] - s.inertia[e] * s.bias[e];
+        for i in 0..n {
+            let w = s.w[e][i];
+            f[i] = f[i] + w * p;
+            let jw = s.inertia[e] * w;
+            for j in 0..=i {
+                // J W² keeps its square: (√x)² = x there
+                let term = if i == j { s.inertia[e] * (w * w) } else { jw * s.w[e][j] };
+                m[packed(i, j)] = m[packed(i, j)] + term;
+            }
+        }
+    }
+    MassForm { m, f }
+}

@@ -1,0 +1,41 @@
+//! From a model to its equations of motion.
+//!
+//! ```
+//! use headland_dynamics::{DeriveOptions, derive};
+//! use headland_model::Scene;
+//!
+//! let mut scene = Scene::new("pendulum");
+//! scene.entry("parameters", "m", "1 kg").entry("parameters", "l", "2 m").entry("parameters", "g", "9.81 m/s^2");
+//! scene.entry("coordinates", "phi", "rad").entry("initial", "phi", 0.5).entry("initial", "phi'", 0.0);
+//! scene.element("inertia", &[("name", "x"), ("value", "m"), ("geometric", "l*sin(phi)")]);
+//! scene.element("inertia", &[("name", "y"), ("value", "m"), ("geometric", "-l*cos(phi)")]);
+//! scene.element("force", &[("name", "weight"), ("value", "-m*g"), ("geometric", "-l*cos(phi)")]);
+//! let model = scene.build()?;
+//! let equations = derive(&model, &DeriveOptions::default())?;
+//! assert_eq!(equations.kinematics.quasi[0].name, "phi'");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! In order: [`kinematics`] makes (2) of (1), [`structures`] differentiates what the elements are given on,
+//! [`scalar_inertia`] refuses what would be wrong, [`direct`] and [`combine`] are algorithms [10] and [9] of the
+//! article, [`compare`] holds one against the other, [`solve`] is `M u′ = F`, [`energy`] the balance, [`initial`] the
+//! start, and [`derive`](mod@derive) does it all.
+
+pub mod combine;
+pub mod compare;
+pub mod derive;
+pub mod direct;
+pub mod energy;
+pub mod error;
+pub mod initial;
+pub mod kinematics;
+pub mod sample;
+pub mod scalar_inertia;
+pub mod solve;
+pub mod structures;
+
+pub use derive::{Algorithm, DeriveOptions, Equations, derive, derive_at};
+pub use energy::Energies;
+pub use error::DeriveError;
+pub use initial::initial_velocities;
+pub use kinematics::{Kinematics, Quasi};

@@ -1,0 +1,54 @@
+//! States at which derivations are compared and structures examined: the start, and points spread about it.
+
+use headland_model::Model;
+
+/// The inputs of the graph at the model's start: parameters, time and initial coordinates; velocities zero.
+pub fn start_inputs(model: &Model) -> Vec<f64> {
+    let mut inputs = model.inputs();
+    inputs[model.input_index(model.time)] = model.run.from;
+    for c in &model.coordinates {
+        if let Some(initial) = c.initial {
+            inputs[model.input_index(c.q)] = model.graph.eval(&[initial], &inputs)[0];
+        }
+    }
+    for u in &model.quasi_velocities {
+        if let Some(initial) = u.initial {
+            inputs[model.input_index(u.u)] = model.graph.eval(&[initial], &inputs)[0];
+        }
+    }
+    inputs
+}
+
+/// Numbers in (−1, 1), evenly spread: multiples of irrational numbers. The same on every machine.
+pub struct Spread(u32);
+
+impl Spread {
+    /// The `k`-th sequence.
+    pub fn new(k: u32) -> Self {
+        Self(k.wrapping_mul(7919))
+    }
+
+    /// The next number.
+    pub fn next_number(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(1);
+        let x = f64::from(self.0) * 0.618_033_988_749_894_9 + f64::from(self.0 % 17) * 0.324_717_957_244_746;
+        2.0 * (x - x.floor()) - 1.0
+    }
+}
+
+/// The `k`-th state about the start: coordinates moved by up to half a unit, velocities by up to one.
+pub fn spread_inputs(model: &Model, k: u32) -> Vec<f64> {
+    let mut inputs = start_inputs(model);
+    let mut spread = Spread::new(k + 1);
+    inputs[model.input_index(model.time)] += spread.next_number().abs() * (model.run.until - model.run.from);
+    for c in &model.coordinates {
+        inputs[model.input_index(c.q)] += 0.5 * spread.next_number() * c.scale;
+        inputs[model.input_index(c.rate)] += spread.next_number() * c.scale;
+        inputs[model.input_index(c.acceleration)] += spread.next_number() * c.scale;
+    }
+    for u in &model.quasi_velocities {
+        inputs[model.input_index(u.u)] += spread.next_number() * u.scale;
+        inputs[model.input_index(u.acceleration)] += spread.next_number() * u.scale;
+    }
+    inputs
+}
