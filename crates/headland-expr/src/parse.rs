@@ -82,7 +82,7 @@ pub struct Program {
 impl Program {
     /// The program that pushes one number.
     pub fn number(x: f64) -> Self {
-        Self { items: vec![Item::Number(x, None)], spans: vec![0..0] }
+        Self { items: vec![Item::Number(x, None)], spans: std::iter::once(0..0).collect() }
     }
 
     fn push(&mut self, item: Item, span: Range<usize>) {

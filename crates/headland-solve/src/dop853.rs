@@ -5,7 +5,9 @@
 //! k_12 = f(t + h, y⁺), which is k_0 of the next step: 12 evaluations an accepted step, 11 a rejected one
 //! ```
 //! Dense output takes three more evaluations, only in a step where it is asked for. The state is
-//! summed with compensation (Kahan): what rounding cuts off an increment goes into the next.
+//! summed with compensation (Kahan): what rounding cuts off an increment goes into the next. It costs
+//! nothing that can be measured, and pays where many short steps are taken; on a thousand Kepler
+//! orbits at `rtol` 1e-14 the truncation error outweighs it still.
 //!
 //! # References
 //! Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*, 2nd ed. 1993, sections II.4
@@ -17,7 +19,9 @@ use crate::driver::Stepper;
 use crate::problem::EvalFailure;
 use crate::{Function, OdeProblem, Options, SolveError, Stats};
 
-const SAFETY: f64 = 0.9;
+/// Of the factors tried on orbits and pendulums (0.8 to 0.9, with and without a memory of the last
+/// error), this one takes the fewest evaluations.
+const SAFETY: f64 = 0.85;
 /// Bounds of the factor from one step size to the next.
 const SHRINK: f64 = 0.333;
 const GROW: f64 = 6.0;
@@ -59,7 +63,6 @@ pub(crate) struct Dop853 {
     has_poly: bool,
     stiffness: Stiffness,
     stats: Stats,
-    err_old: f64,
 }
 
 impl Dop853 {
@@ -83,7 +86,6 @@ impl Dop853 {
             has_poly: false,
             stiffness: Stiffness::default(),
             stats: Stats::default(),
- err_old: 1e-4,
         }
     }
 
@@ -214,12 +216,7 @@ impl Dop853 {
         self.stiffness
             .look(h, [&self.k[11], &self.k[12]], [&self.arg, &self.y1]);
         self.t1 = t;
-        let b: f64 = std::env::var("B").map_or(0.0, |v| v.parse().unwrap());
-        let sf: f64 = std::env::var("SF").map_or(0.9, |v| v.parse().unwrap());
-        let gm: f64 = std::env::var("GM").map_or(0.75, |v| v.parse().unwrap());
-        let e = error.max(1e-10);
-        let next = h * (sf * e.powf(-(1.0/8.0 - gm * b)) * self.err_old.powf(b)).clamp(SHRINK, if was_rejected { 1.0 } else { GROW });
-        self.err_old = error.max(1e-4);
+        let next = h * factor(error, if was_rejected { 1.0 } else { GROW });
         // A step cut short by the stop says nothing against the longer one proposed.
         let cut = !was_rejected && h < proposed;
         self.h = Some(if cut { next.max(proposed) } else { next });
@@ -574,5 +571,4 @@ fn evaluated(
 }
 
 #[cfg(test)]
-#[path = "dop853/tests.rs"]
 mod tests;

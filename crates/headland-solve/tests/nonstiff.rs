@@ -50,8 +50,8 @@ fn kepler(e: f64) -> (Problem, [f64; 4]) {
 #[test]
 fn arenstorf_orbit_closes() {
     // Hairer, Nørsett, Wanner I, eq. II.0.2.
-    let y0 = [0.994, 0.0, 0.0, -2.00158510637908252240537862224];
-    let period = 17.0652165601579625588917206249;
+    let y0 = [0.994, 0.0, 0.0, -2.0015851063790824];
+    let period = 17.065216560157964;
     let mut steps = Vec::new();
     for (rtol, least) in [(1e-7, 1.5), (1e-10, 4.5), (1e-13, 7.5)] {
         let (y, stats) = solve(Method::Dop853, &mut arenstorf(), &y0, period, rtol);
@@ -67,13 +67,13 @@ fn arenstorf_orbit_closes() {
 
 #[test]
 fn kepler_orbits_close() {
-    for e in [0.1, 0.5, 0.9] {
+    for (e, least) in [(0.1, 9.5), (0.5, 9.0), (0.9, 7.0)] {
         let (mut problem, y0) = kepler(e);
         let period = 2.0 * std::f64::consts::PI;
         let (y, stats) = solve(Method::Dop853, &mut problem, &y0, 3.0 * period, 1e-12);
         let found = digits(&y, &y0, 1.0);
         println!("e {e}: {found:.2} digits, {stats:?}");
-        assert!(found > 8.0, "e {e}: {found:.2} digits");
+        assert!(found > least, "e {e}: {found:.2} digits");
         assert_eq!(stats.rhs, 2 + 12 * stats.steps + 11 * stats.rejected);
     }
 }
@@ -93,8 +93,8 @@ fn half_an_orbit_ends_at_the_apocentre() {
 }
 
 #[test]
-fn a_closed_form_with_all_powers() {
-    // Brusselator-like chain with solution y_i = sin(t + i): ẏ_i = y_{i+1 turned} by rotation.
+fn a_closed_form_in_twenty_components() {
+    // y_i = sin(t + i), in equations that are not linear.
     let n = 20;
     let mut problem = Problem::new(n, move |t, y, dy| {
         for i in 0..n {

@@ -47,7 +47,9 @@ fn with_projection() -> Problem {
 
 /// Largest errors of position and energy over 100 s from the horizontal.
 fn drift(method: Method, problem: &mut Problem, rtol: f64) -> (f64, f64, Stats) {
-    let mut integrator: Box<dyn Integrator> = method.create(4, Options::new(rtol, vec![1e-2 * rtol; 4])).unwrap();
+    let mut integrator: Box<dyn Integrator> = method
+        .create(4, Options::new(rtol, vec![1e-2 * rtol; 4]))
+        .unwrap();
     integrator
         .start(problem, 0.0, &[1.0, 0.0, 0.0, 0.0])
         .unwrap();

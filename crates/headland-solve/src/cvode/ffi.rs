@@ -439,7 +439,11 @@ fn silence(context: sys::SUNContext, memory: *mut c_void) {
     // SAFETY: both were just made; the handler touches none of its arguments.
     unsafe {
         SUNContext_ClearErrHandlers(context);
-        CVodeSetErrHandlerFn(memory, Some(on_message as Handler), ptr::null_mut::<c_void>());
+        CVodeSetErrHandlerFn(
+            memory,
+            Some(on_message as Handler),
+            ptr::null_mut::<c_void>(),
+        );
     }
 }
 

@@ -1,0 +1,71 @@
+//! [`Recorder`]: rows of the trajectory at the output times, by dense output.
+
+use headland_code::Evaluator;
+use headland_model::Model;
+use headland_solve::{Integrator, SolveError};
+
+use crate::options::RunOptions;
+use crate::report::Trajectory;
+use crate::work::Work;
+
+/// Output times and rows.
+pub(crate) struct Recorder {
+    pub(crate) trajectory: Trajectory,
+    factors: Vec<f64>,
+    /// Times still to come, last first.
+    ahead: Vec<f64>,
+    pub(crate) residual: Option<f64>,
+    pub(crate) evaluations: u64,
+    y: Vec<f64>,
+}
+
+impl Recorder {
+    pub(crate) fn new(model: &Model, options: &RunOptions) -> Self {
+        let mut ahead: Vec<f64> = match &options.at {
+            Some(at) => at.clone(),
+            None => {
+                let n = options.points.max(1);
+                let at = |i: usize| options.from + (options.until - options.from) * i as f64 / n as f64;
+                (0..=n).map(|i| if i == n { options.until } else { at(i) }).collect()
+            }
+        };
+        ahead.sort_by(|a, b| b.total_cmp(a));
+        ahead.dedup();
+        let trajectory = Trajectory {
+            names: model.outputs.iter().map(|o| o.name.clone()).collect(),
+            units: model.outputs.iter().map(|o| o.unit.clone()).collect(),
+            ..Trajectory::default()
+        };
+        let factors = model.outputs.iter().map(|o| o.factor).collect();
+        Self { trajectory, factors, ahead, residual: None, evaluations: 0, y: Vec::new() }
+    }
+
+    fn row(&mut self, work: &mut Work, t: f64, y: &[f64]) {
+        self.evaluations += 1;
+        let x = work.problem.full_inputs(t, y);
+        let out = work.outputs.eval(x);
+        self.trajectory.rows.push(out.iter().zip(&self.factors).map(|(v, f)| v * f).collect());
+        self.trajectory.t.push(t);
+        if work.has_residuals {
+            let worst = work.residuals.eval(x).iter().fold(0.0_f64, |a, r| a.max(r.abs()));
+            self.residual = Some(self.residual.unwrap_or(0.0).max(worst));
+        }
+    }
+
+    /// Rows for all output times up to where the integrator is.
+    pub(crate) fn catch_up(&mut self, work: &mut Work, integrator: &mut dyn Integrator) -> Result<(), SolveError> {
+        while let Some(&t) = self.ahead.last().filter(|t| **t <= integrator.t()) {
+            self.ahead.pop();
+            let mut y = std::mem::take(&mut self.y);
+            y.resize(integrator.y().len(), 0.0);
+            if t == integrator.t() {
+                y.copy_from_slice(integrator.y());
+            } else {
+                integrator.interpolate(&mut work.problem, t, &mut y)?;
+            }
+            self.row(work, t, &y);
+            self.y = y;
+        }
+        Ok(())
+    }
+}

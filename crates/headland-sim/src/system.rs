@@ -1,0 +1,403 @@
+//! [`System`]: equations compiled for one set of parameters; [`Problem`]: what an integrator sees of it.
+//!
+//! All functions take `x = [t, y, u′]` with the state `y = [q, u]`; parameters are folded into the code.
+
+use std::cell::OnceCell;
+use std::rc::Rc;
+
+use headland_code::{Evaluator, Function, Jacobian, TapeEvaluator, TapeFunction};
+use headland_dynamics::solve::{packed, solve_crout, solve_ldl, unpack};
+use headland_dynamics::{Equations, Kinematics};
+use headland_expr::{Expr, Graph, NodeId};
+use headland_model::{LinearSolver, Model, RowForm};
+use headland_solve::{EvalFailure, OdeProblem, Pattern};
+
+/// An event function of the system.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Watch {
+    /// An event of the scene, by its position.
+    Event(usize),
+    /// A guard that stops the run, by its position.
+    Guard(usize),
+}
+
+/// Equations compiled for one set of parameters.
+pub struct System {
+    /// Coordinates and quasi-velocities.
+    pub kinematics: Kinematics,
+    /// Names of the states y.
+    pub names: Vec<String>,
+    /// Number of coordinates.
+    pub nq: usize,
+    /// Number of quasi-velocities.
+    pub nu: usize,
+    /// The graph over `x = [t, y, u′]`.
+    pub graph: Graph,
+    /// What the right-hand side needs: rates, then u′ or (lower triangle of M, F).
+    rhs_roots: Vec<NodeId>,
+    unrolled: bool,
+    linear_solver: LinearSolver,
+    rhs: TapeFunction,
+    jacobian: OnceCell<(Jacobian<TapeFunction>, Pattern)>,
+    /// Columns; needs u′.
+    pub outputs: TapeFunction,
+    /// Kinetic energy, potential energy, all power; needs u′.
+    pub energies: TapeFunction,
+    /// Quantities of the guards.
+    pub guards: TapeFunction,
+    /// Residuals of the velocity constraints in form (1).
+    pub residuals: TapeFunction,
+    /// Scaled entries of G of the dependent rates: the growth of the partition.
+    pub growth: TapeFunction,
+    events: TapeFunction,
+    /// What each event function watches.
+    pub watches: Vec<Watch>,
+}
+
+impl System {
+    /// Compiles the equations with the model's parameters folded in.
+    pub fn new(model: &Model, equations: &Equations) -> Self {
+        let kinematics = equations.kinematics.clone();
+        let (nq, nu) = (kinematics.rates.len(), kinematics.quasi.len());
+        let unrolled = equations.accelerations.is_some();
+        let graph = Graph::new();
+        let copy = Copy::new(model, &kinematics, &graph);
+
+        let mut roots = kinematics.rates.clone();
+        match &equations.accelerations {
+            Some(u) => roots.extend(u),
+            None => roots.extend(equations.mass.iter().chain(&equations.force)),
+        }
+        let rhs_roots = copy.nodes(&roots);
+        let by_state = |nodes: Vec<NodeId>| copy.nodes(&equations.by_state(model, &nodes));
+        let outputs = by_state(model.outputs.iter().map(|o| o.node).collect());
+        let guards = by_state(model.guards.iter().map(|g| g.quantity).collect());
+        let rows = model.kinematics.iter().filter_map(|r| match r.form {
+            RowForm::Zero(node) => Some(node),
+            RowForm::Rate(..) => None,
+        });
+        let residuals = by_state(rows.collect());
+        let (watches, events) = Self::event_nodes(model, &graph, &guards, &by_state(model.events.iter().map(|e| e.quantity).collect()));
+        let growth = Self::growth_nodes(equations, &graph, &copy);
+        let energies = Self::energy_nodes(equations, &graph, &copy);
+
+        let compile = |nodes: &[NodeId]| TapeFunction::compile(&graph, nodes);
+        let names = model.coordinates.iter().map(|c| c.name.clone()).chain(kinematics.quasi.iter().map(|u| u.name.clone()));
+        Self {
+            names: names.collect(),
+            nq,
+            nu,
+            rhs: compile(&rhs_roots),
+            outputs: compile(&outputs),
+            energies: compile(&energies),
+            guards: compile(&guards),
+            residuals: compile(&residuals),
+            growth: compile(&growth),
+            events: compile(&events),
+            jacobian: OnceCell::new(),
+            linear_solver: equations.linear_solver,
+            kinematics,
+            rhs_roots,
+            unrolled,
+            watches,
+            graph,
+        }
+    }
+
+    fn event_nodes(model: &Model, graph: &Graph, guards: &[NodeId], events: &[NodeId]) -> (Vec<Watch>, Vec<NodeId>) {
+        let mut watches: Vec<Watch> = (0..events.len()).map(Watch::Event).collect();
+        let mut nodes = events.to_vec();
+        for (i, guard) in model.guards.iter().enumerate() {
+            if let Some(limit) = guard.stop_below {
+                watches.push(Watch::Guard(i));
+                nodes.push(graph.id(graph.expr(guards[i]) - Expr::Const(limit)));
+            }
+        }
+        (watches, nodes)
+    }
+
+    /// `G_ik √(M_i/M_k)` for eliminated rates i and independent rates k.
+    fn growth_nodes(equations: &Equations, graph: &Graph, copy: &Copy<'_>) -> Vec<NodeId> {
+        let scale = |i: usize| equations.mass_diagonal[i].sqrt();
+        let mut nodes = Vec::new();
+        for &i in &equations.kinematics.dependent {
+            for (k, u) in equations.kinematics.quasi.iter().enumerate() {
+                let Some(j) = u.rate_of else { continue };
+                let entry = graph.expr(copy.nodes(&[equations.g[i][k]])[0]);
+                if entry.value().is_none() && scale(i) > 0.0 && scale(j) > 0.0 {
+                    nodes.push(graph.id(entry * Expr::Const(scale(i) / scale(j))));
+                }
+            }
+        }
+        nodes
+    }
+
+    fn energy_nodes(equations: &Equations, graph: &Graph, copy: &Copy<'_>) -> Vec<NodeId> {
+        let e = &equations.energies;
+        let powers: Vec<NodeId> = e.powers.iter().map(|(_, node)| *node).chain(e.drives).collect();
+        let total = copy.nodes(&powers).into_iter().fold(Expr::Const(0.0), |sum, p| sum + graph.expr(p));
+        let mut nodes = copy.nodes(&[e.kinetic, e.potential]);
+        nodes.push(graph.id(total));
+        nodes
+    }
+
+    /// Length of the state.
+    pub fn len(&self) -> usize {
+        self.nq + self.nu
+    }
+
+    /// True for a system without states.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Operations of one evaluation of the right-hand side.
+    pub fn operations(&self) -> usize {
+        self.rhs.operations()
+    }
+
+    /// Nodes that depend on time and state and decide about breakpoints: the right-hand side and the events.
+    pub fn roots(&self) -> &[NodeId] {
+        &self.rhs_roots
+    }
+
+    /// The exact Jacobian of `[q′, u′]` (unrolled) or of `[q′, M a − F]`, made when first asked for.
+    fn jacobian(&self) -> &(Jacobian<TapeFunction>, Pattern) {
+        self.jacobian.get_or_init(|| {
+            let graph = &self.graph;
+            let states: Vec<NodeId> = (1..=self.len()).map(|i| graph.input_id(i)).collect();
+            let roots: Vec<NodeId> = if self.unrolled { self.rhs_roots.clone() } else { self.residual_roots() };
+            let jacobian = Jacobian::<TapeFunction>::new(graph, &roots, &states);
+            let (n, nq) = (self.len(), self.nq);
+            let pattern = if self.unrolled {
+                Pattern::new(n, n, jacobian.col_ptr().to_vec(), jacobian.row_index().to_vec())
+            } else {
+                // u′ = M⁻¹ F couples everything below the rates
+                let entries = (0..n).flat_map(|j| {
+                    let rates = jacobian.row_index()[jacobian.col_ptr()[j]..jacobian.col_ptr()[j + 1]].iter();
+                    rates.filter(|i| **i < nq).map(|i| (*i, j)).chain((nq..n).map(|i| (i, j))).collect::<Vec<_>>()
+                });
+                Pattern::from_entries(n, n, entries)
+            };
+            (jacobian, pattern)
+        })
+    }
+
+    /// `[q′, M a − F]` with a the inputs u′.
+    fn residual_roots(&self) -> Vec<NodeId> {
+        let graph = &self.graph;
+        let (nq, nu) = (self.nq, self.nu);
+        let mass = &self.rhs_roots[nq..nq + nu * (nu + 1) / 2];
+        let force = &self.rhs_roots[nq + mass.len()..];
+        let mut roots = self.rhs_roots[..nq].to_vec();
+        for i in 0..nu {
+            let mut sum = -graph.expr(force[i]);
+            for j in 0..nu {
+                let a = graph.expr(graph.input_id(1 + self.len() + j));
+                sum = sum + graph.expr(mass[packed(i.max(j), i.min(j))]) * a;
+            }
+            roots.push(graph.id(sum));
+        }
+        roots
+    }
+}
+
+/// Copies nodes of the model's graph into the system's, states and time renumbered, parameters as numbers.
+struct Copy<'t> {
+    source: &'t Graph,
+    target: &'t Graph,
+    inputs: Vec<Option<Expr<'t>>>,
+}
+
+impl<'t> Copy<'t> {
+    fn new(model: &'t Model, kinematics: &Kinematics, target: &'t Graph) -> Self {
+        let mut inputs = vec![None; model.graph.input_count()];
+        inputs[model.input_index(model.time)] = Some(target.input("t"));
+        for c in &model.coordinates {
+            inputs[model.input_index(c.q)] = Some(target.input(&c.name));
+        }
+        for u in &kinematics.quasi {
+            inputs[model.input_index(u.u)] = Some(target.input(&u.name));
+        }
+        for u in &kinematics.quasi {
+            inputs[model.input_index(u.acceleration)] = Some(target.input(&format!("{}'", u.name)));
+        }
+        for p in &model.parameters {
+            inputs[p.input] = Some(Expr::Const(p.value));
+        }
+        Self { source: &model.graph, target, inputs }
+    }
+
+    fn nodes(&self, nodes: &[NodeId]) -> Vec<NodeId> {
+        let name = |i: usize| self.source.input_name(i);
+        self.source
+            .rebuild(nodes, self.target, |i| self.inputs[i].unwrap_or_else(|| unreachable!("`{}` was put in by (2)", name(i))))
+            .into_iter()
+            .map(|e| self.target.id(e))
+            .collect()
+    }
+}
+
+/// A system with one thread's scratch, as an integrator sees it.
+pub struct Problem {
+    /// The system.
+    pub system: Rc<System>,
+    rhs: TapeEvaluator,
+    jacobian: Option<TapeEvaluator>,
+    events: TapeEvaluator,
+    x: Vec<f64>,
+    mass: Vec<f64>,
+    force: Vec<f64>,
+    dy: Vec<f64>,
+    /// Time is kept inside: functions of time are those between two breakpoints, also at its ends.
+    span: (f64, f64),
+    exact_jacobian: bool,
+    /// The first state at which the right-hand side was not finite.
+    pub not_finite: Option<(f64, Vec<f64>)>,
+}
+
+impl Problem {
+    /// Scratch for a system; with `exact_jacobian` the Jacobian is derived.
+    pub fn new(system: Rc<System>, exact_jacobian: bool) -> Self {
+        Self {
+            rhs: system.rhs.evaluator(),
+            jacobian: None,
+            events: system.events.evaluator(),
+            x: vec![0.0; 1 + system.len() + system.nu],
+            mass: Vec::new(),
+            force: Vec::new(),
+            dy: Vec::new(),
+            span: (f64::NEG_INFINITY, f64::INFINITY),
+            exact_jacobian,
+            not_finite: None,
+            system,
+        }
+    }
+
+    /// Sets the span between two breakpoints in which functions of time are evaluated.
+    ///
+    /// Roots are known to an ulp or two; the span is drawn in by four, so that no condition is seen from the other side.
+    pub fn set_span(&mut self, from: f64, to: f64) {
+        let inward = 4.0 * f64::EPSILON;
+        self.span = (from + inward * from.abs(), to - inward * to.abs());
+    }
+
+    /// `x = [t, y, u′]` with u′ zero.
+    fn load(&mut self, t: f64, y: &[f64]) {
+        self.x[0] = if self.span.0 <= self.span.1 { t.clamp(self.span.0, self.span.1) } else { t };
+        self.x[1..=y.len()].copy_from_slice(y);
+    }
+
+    /// `x = [t, y, u′]` with u′ as the equations make it, for outputs and energies.
+    pub fn full_inputs(&mut self, t: f64, y: &[f64]) -> &[f64] {
+        let mut dy = std::mem::take(&mut self.dy);
+        dy.resize(y.len(), 0.0);
+        let _ = self.rhs(t, y, &mut dy);
+        self.x[1 + y.len()..].copy_from_slice(&dy[self.system.nq..]);
+        self.dy = dy;
+        &self.x
+    }
+}
+
+impl OdeProblem for Problem {
+    fn len(&self) -> usize {
+        self.system.len()
+    }
+
+    fn rhs(&mut self, t: f64, y: &[f64], dy: &mut [f64]) -> Result<(), EvalFailure> {
+        self.load(t, y);
+        let system = self.system.clone();
+        let (nq, nu) = (system.nq, system.nu);
+        let out = self.rhs.eval(&self.x);
+        if system.unrolled {
+            dy.copy_from_slice(out);
+        } else {
+            dy[..nq].copy_from_slice(&out[..nq]);
+            let triangle = nu * (nu + 1) / 2;
+            self.mass.clear();
+            self.mass.extend_from_slice(&out[nq..nq + triangle]);
+            dy[nq..].copy_from_slice(&out[nq + triangle..]);
+            match system.linear_solver {
+                LinearSolver::Ldl => solve_ldl(&mut self.mass, &mut dy[nq..]),
+                LinearSolver::Crout => solve_crout(&mut unpack(&self.mass, nu), &mut dy[nq..]),
+            }
+        }
+        if self.not_finite.is_none() && dy.iter().any(|x| !x.is_finite()) {
+            self.not_finite = Some((t, y.to_vec()));
+        }
+        Ok(())
+    }
+
+    fn pattern(&self) -> Option<&Pattern> {
+        self.exact_jacobian.then(|| &self.system.jacobian().1)
+    }
+
+    fn jacobian(&mut self, t: f64, y: &[f64], values: &mut [f64]) -> Result<(), EvalFailure> {
+        let system = self.system.clone();
+        let (jacobian, pattern) = system.jacobian();
+        let (n, nq, nu) = (system.len(), system.nq, system.nu);
+        if !system.unrolled {
+            self.full_inputs(t, y);
+            if system.linear_solver == LinearSolver::Crout {
+                solve_ldl(&mut self.mass, &mut vec![0.0; nu]); // M as it is so far: the columns below want L and D
+            }
+        }
+        self.load(t, y);
+        let evaluator = self.jacobian.get_or_insert_with(|| jacobian.function().evaluator());
+        let raw = evaluator.eval(&self.x);
+        if system.unrolled {
+            values.copy_from_slice(raw);
+            return Ok(());
+        }
+        // u′_y = −M⁻¹ ∂(M a − F)/∂y, one column after the other with one factorization
+        for j in 0..n {
+            self.force.clear();
+            self.force.resize(nu, 0.0);
+            let mut k = pattern.col_ptr()[j];
+            for i in jacobian.col_ptr()[j]..jacobian.col_ptr()[j + 1] {
+                let row = jacobian.row_index()[i];
+                if row < nq {
+                    values[k] = raw[i];
+                    k += 1;
+                } else {
+                    self.force[row - nq] = -raw[i];
+                }
+            }
+            solve_factored(&self.mass, &mut self.force);
+            values[k..pattern.col_ptr()[j + 1]].copy_from_slice(&self.force);
+        }
+        Ok(())
+    }
+
+    fn event_count(&self) -> usize {
+        self.system.watches.len()
+    }
+
+    fn events(&mut self, t: f64, y: &[f64], g: &mut [f64]) -> Result<(), EvalFailure> {
+        self.load(t, y);
+        g.copy_from_slice(self.events.eval(&self.x));
+        Ok(())
+    }
+
+    fn component_name(&self, i: usize) -> String {
+        self.system.names[i].clone()
+    }
+}
+
+/// Solves with the L and D that [`solve_ldl`] left behind.
+fn solve_factored(m: &[f64], f: &mut [f64]) {
+    let n = f.len();
+    for i in 0..n {
+        for j in 0..i {
+            f[i] -= m[packed(i, j)] * f[j];
+        }
+    }
+    for i in 0..n {
+        f[i] /= m[packed(i, i)];
+    }
+    for i in (0..n).rev() {
+        for j in 0..i {
+            f[j] -= m[packed(i, j)] * f[i];
+        }
+    }
+}

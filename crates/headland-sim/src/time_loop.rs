@@ -1,0 +1,309 @@
+//! [`TimeLoop`]: steps of the method, with everything that a run does between them.
+
+use std::rc::Rc;
+use std::time::Instant;
+
+use headland_code::Evaluator;
+use headland_dynamics::{Equations, derive_at};
+use headland_model::{Direction, Model};
+use headland_solve::{Integrator, Method, SolveError, Stats, Step};
+
+use crate::balance::Balance;
+use crate::options::{RunError, RunOptions};
+use crate::record::Recorder;
+use crate::report::{LogEntry, Observer, Status};
+use crate::schedule::Schedule;
+use crate::system::{System, Watch};
+use crate::work::{Work, solver_options, start_state};
+
+/// Growth of the partition, the largest scaled entry of G, at which better independent rates are looked for.
+const GROWTH: f64 = 3.0;
+
+/// A run in progress.
+pub(crate) struct TimeLoop<'m> {
+    model: &'m Model,
+    equations: Equations,
+    options: &'m RunOptions,
+    schedule: Schedule,
+    work: Work,
+    method: Method,
+    why: String,
+    integrator: Box<dyn Integrator>,
+    y: Vec<f64>,
+    balance: Option<Balance>,
+    growth_limit: f64,
+    warned: Vec<bool>,
+    known: Vec<(Equations, Rc<System>)>,
+    ending: Ending,
+}
+
+/// What is known when the loop has ended.
+#[derive(Clone, Debug)]
+pub(crate) struct Ending {
+    pub(crate) status: Status,
+    pub(crate) method: &'static str,
+    pub(crate) why: String,
+    pub(crate) t: f64,
+    pub(crate) stats: Stats,
+    pub(crate) repartitions: u64,
+    pub(crate) derive_s: f64,
+    pub(crate) compile_s: f64,
+    pub(crate) energy_balance: Option<f64>,
+    pub(crate) balance_evaluations: u64,
+    pub(crate) log: Vec<LogEntry>,
+}
+
+impl<'m> TimeLoop<'m> {
+    /// Everything ready to start.
+    pub(crate) fn new(
+        model: &'m Model,
+        equations: &Equations,
+        system: Rc<System>,
+        options: &'m RunOptions,
+    ) -> Result<Self, RunError> {
+        let auto = options.method == "auto";
+        let method = if auto { Method::Dop853 } else { Method::parse(&options.method)? };
+        let why = if auto { "auto: explicit of order 8, for the motion does not look stiff" } else { "asked for" };
+        let mut work = Work::new(system.clone(), method);
+        let schedule = Schedule::new(&system, options);
+        let (a, b) = schedule.span(options.from);
+        work.problem.set_span(a, b);
+        Ok(Self {
+            integrator: method.create(system.len(), solver_options(model, &system, options))?,
+            y: start_state(model, equations, options.from)?,
+            balance: options.balance.then(|| Balance::new(&system)),
+            warned: vec![false; model.guards.len()],
+            known: vec![(equations.clone(), system)],
+            equations: equations.clone(),
+            growth_limit: GROWTH,
+            why: why.into(),
+            ending: Ending {
+                status: Status::Done,
+                method: method.name(),
+                why: String::new(),
+                t: options.from,
+                stats: Stats::default(),
+                repartitions: 0,
+                derive_s: 0.0,
+                compile_s: 0.0,
+                energy_balance: None,
+                balance_evaluations: 0,
+                log: Vec::new(),
+            },
+            model,
+            options,
+            schedule,
+            work,
+            method,
+        })
+    }
+
+    /// From the start to the end, or to what stops it; rows are recorded on the way.
+    pub(crate) fn run(&mut self, recorder: &mut Recorder, observer: &mut dyn Observer) {
+        if let Err(error) = self.begin(recorder, observer) {
+            self.fail(&error);
+        }
+        while self.ending.status == Status::Done && self.integrator.t() < self.options.until {
+            if let Err(error) = self.advance(recorder, observer) {
+                self.fail(&error);
+            }
+        }
+    }
+
+    fn begin(&mut self, recorder: &mut Recorder, observer: &mut dyn Observer) -> Result<(), SolveError> {
+        let t = self.options.from;
+        self.integrator.start(&mut self.work.problem, t, &self.y)?;
+        if let Some(balance) = &mut self.balance {
+            balance.open(&mut self.work.problem, t, &self.y);
+        }
+        recorder.catch_up(&mut self.work, self.integrator.as_mut())?;
+        self.watch_guards(t, observer);
+        Ok(())
+    }
+
+    /// One accepted step and what follows from it.
+    fn advance(&mut self, recorder: &mut Recorder, observer: &mut dyn Observer) -> Result<(), SolveError> {
+        let t = self.integrator.t();
+        self.integrator.set_h_max(self.schedule.longest_step(t));
+        let step = self.integrator.step(&mut self.work.problem, self.schedule.next_stop(t))?;
+        let t = self.integrator.t();
+        if let Some(balance) = &mut self.balance {
+            balance.add_step(&mut self.work.problem, self.integrator.as_mut())?;
+        }
+        recorder.catch_up(&mut self.work, self.integrator.as_mut())?;
+        observer.step(t, t - self.integrator.t_previous());
+        self.y.clear();
+        self.y.extend_from_slice(self.integrator.y());
+        self.watch_guards(t, observer);
+        if let Step::Event { index, rising, .. } = step {
+            self.on_event(self.work.system.watches[index], t, rising, observer);
+        }
+        if self.ending.status != Status::Done || t >= self.options.until {
+            return Ok(());
+        }
+        let breakpoint = matches!(step, Step::End { .. }) && self.schedule.is_breakpoint(t);
+        let stiff = self.leave_explicit(t, observer)?;
+        let changed = self.repartition(t, observer)?;
+        if breakpoint || stiff || changed {
+            let (a, b) = self.schedule.span(t);
+            self.work.problem.set_span(a, b);
+            self.integrator.start(&mut self.work.problem, t, &self.y)?;
+        }
+        Ok(())
+    }
+
+    /// `auto` goes over to BDF when the explicit method's steps stay at the bound of stability.
+    fn leave_explicit(&mut self, t: f64, observer: &mut dyn Observer) -> Result<bool, SolveError> {
+        let auto = self.options.method == "auto" && self.method == Method::Dop853;
+        if !auto || !self.integrator.looks_stiff() || !Method::CvodeBdf.is_built() {
+            return Ok(false);
+        }
+        self.method = Method::CvodeBdf;
+        self.why = format!("auto: stiff; explicit of order 8 until t = {t} s, where its steps stayed at the bound of stability");
+        self.tell(t, "the motion looks stiff: going on with cvode-bdf", observer);
+        self.use_system(self.work.system.clone())?;
+        Ok(true)
+    }
+
+    /// Looks for better independent rates when the entries of G have grown.
+    fn repartition(&mut self, t: f64, observer: &mut dyn Observer) -> Result<bool, SolveError> {
+        let growth = self.work.growth(t, &self.y);
+        if growth < self.growth_limit || self.model.run.independent.is_some() {
+            return Ok(false);
+        }
+        self.growth_limit = 2.0 * growth; // if nothing better is found
+        let inputs = self.work.model_inputs(self.model, t, &self.y);
+        let Some((equations, system)) = self.derive_again(&inputs) else { return Ok(false) };
+        let mut better = Work::new(system.clone(), self.method);
+        let y = better.state_from(self.model, &inputs);
+        if better.growth(t, &y) > 0.7 * growth {
+            return Ok(false);
+        }
+        let names: Vec<&str> = system.kinematics.quasi.iter().map(|u| u.name.as_str()).collect();
+        let message = format!("independent rates are now {} (growth of the old ones: {growth:.1})", names.join(", "));
+        self.tell(t, &message, observer);
+        self.ending.repartitions += 1;
+        self.growth_limit = GROWTH;
+        self.equations = equations;
+        self.y = y;
+        self.use_system(system)?;
+        Ok(true)
+    }
+
+    /// The equations for the independent rates that suit the given state, derived or fetched; none if they are the present ones.
+    fn derive_again(&mut self, inputs: &[f64]) -> Option<(Equations, Rc<System>)> {
+        let clock = Instant::now();
+        let equations = derive_at(self.model, inputs, &self.options.derive).ok()?;
+        self.ending.derive_s += clock.elapsed().as_secs_f64();
+        let dependent = &equations.kinematics.dependent;
+        if *dependent == self.work.system.kinematics.dependent {
+            return None;
+        }
+        if let Some(known) = self.known.iter().find(|(e, _)| e.kinematics.dependent == *dependent) {
+            return Some(known.clone());
+        }
+        let clock = Instant::now();
+        let system = Rc::new(System::new(self.model, &equations));
+        self.ending.compile_s += clock.elapsed().as_secs_f64();
+        self.known.push((equations.clone(), system.clone()));
+        Some((equations, system))
+    }
+
+    /// Goes over to another system or method; the caller restarts the integrator.
+    fn use_system(&mut self, system: Rc<System>) -> Result<(), SolveError> {
+        add(&mut self.ending.stats, self.integrator.stats());
+        self.integrator = self.method.create(system.len(), solver_options(self.model, &system, self.options))?;
+        if let Some(balance) = &mut self.balance {
+            balance.change_system(&system);
+        }
+        self.work = Work::new(system, self.method);
+        Ok(())
+    }
+
+    fn watch_guards(&mut self, t: f64, observer: &mut dyn Observer) {
+        if self.model.guards.is_empty() {
+            return;
+        }
+        let x = self.work.problem.full_inputs(t, &self.y);
+        let values = self.work.guards.eval(x).to_vec();
+        for (i, (guard, value)) in self.model.guards.iter().zip(values).enumerate() {
+            let below = guard.warn_below.is_some_and(|limit| value < limit);
+            if below && !self.warned[i] {
+                let limit = guard.warn_below.unwrap_or_default();
+                let message = format!("warning: {} = {value:.6} is below {limit}: {}", guard.name, guard.message);
+                self.tell(t, &message, observer);
+            }
+            self.warned[i] = below;
+            if let Some(limit) = guard.stop_below.filter(|limit| value < *limit) {
+                self.stop_by_guard(t, i, value, limit);
+            }
+        }
+    }
+
+    fn stop_by_guard(&mut self, t: f64, i: usize, value: f64, limit: f64) {
+        let guard = &self.model.guards[i];
+        let reason = format!("{} = {value:.6} fell below {limit} at t = {t} s: {}", guard.name, guard.message);
+        self.ending.status = Status::Failed(reason);
+    }
+
+    fn on_event(&mut self, watch: Watch, t: f64, rising: bool, observer: &mut dyn Observer) {
+        match watch {
+            Watch::Guard(i) if !rising => {
+                let limit = self.model.guards[i].stop_below.unwrap_or_default();
+                self.stop_by_guard(t, i, limit, limit);
+            }
+            Watch::Guard(_) => {}
+            Watch::Event(i) => {
+                let event = &self.model.events[i];
+                let wanted = match event.direction {
+                    Direction::Both => true,
+                    Direction::Rising => rising,
+                    Direction::Falling => !rising,
+                };
+                if wanted {
+                    self.tell(t, &format!("event `{}`", event.name), observer);
+                    if event.stop {
+                        self.ending.status = Status::Stopped(format!("event `{}` at t = {t} s", event.name));
+                    }
+                }
+            }
+        }
+    }
+
+    fn tell(&mut self, t: f64, message: &str, observer: &mut dyn Observer) {
+        observer.message(t, message);
+        self.ending.log.push(LogEntry { t, message: message.into() });
+    }
+
+    fn fail(&mut self, error: &SolveError) {
+        let blame = self.work.blame(self.model, &self.equations).map_or(String::new(), |b| format!("; {b}"));
+        let t = self.integrator.t();
+        self.ending.status = Status::Failed(format!("{error}{blame}; the last good state is at t = {t} s"));
+    }
+
+    /// What the loop has found out.
+    pub(crate) fn end(mut self) -> Ending {
+        add(&mut self.ending.stats, self.integrator.stats());
+        self.ending.t = self.integrator.t();
+        self.ending.method = self.method.name();
+        self.ending.why = self.why;
+        self.ending.energy_balance = self.balance.as_ref().map(|b| b.defect);
+        self.ending.balance_evaluations = self.balance.as_ref().map_or(0, |b| b.evaluations);
+        self.ending
+    }
+}
+
+/// Adds the counts of an integrator that is left.
+fn add(total: &mut Stats, part: &Stats) {
+    total.steps += part.steps;
+    total.rejected += part.rejected;
+    total.rhs += part.rhs;
+    total.jacobians += part.jacobians;
+    total.factorizations += part.factorizations;
+    total.nonlinear_iterations += part.nonlinear_iterations;
+    total.nonlinear_failures += part.nonlinear_failures;
+    total.event_evaluations += part.event_evaluations;
+    total.events += part.events;
+    total.projections += part.projections;
+    total.restarts += part.restarts;
+}

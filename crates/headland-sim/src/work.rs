@@ -1,0 +1,106 @@
+//! [`Work`]: the evaluators of one system, and states moved between systems.
+
+use std::rc::Rc;
+
+use headland_code::{Evaluator, Function, TapeEvaluator};
+use headland_dynamics::initial::kinematic_matrices;
+use headland_dynamics::sample::start_inputs;
+use headland_dynamics::{DeriveError, Equations, initial_velocities};
+use headland_model::Model;
+use headland_solve::{Method, Options};
+
+use crate::options::RunOptions;
+use crate::system::{Problem, System};
+
+/// Evaluators of one system.
+pub(crate) struct Work {
+    pub(crate) system: Rc<System>,
+    pub(crate) problem: Problem,
+    pub(crate) outputs: TapeEvaluator,
+    pub(crate) residuals: TapeEvaluator,
+    pub(crate) guards: TapeEvaluator,
+    growth: TapeEvaluator,
+    pub(crate) has_residuals: bool,
+}
+
+impl Work {
+    pub(crate) fn new(system: Rc<System>, method: Method) -> Self {
+        Self {
+            problem: Problem::new(system.clone(), method.is_implicit()),
+            outputs: system.outputs.evaluator(),
+            residuals: system.residuals.evaluator(),
+            guards: system.guards.evaluator(),
+            growth: system.growth.evaluator(),
+            has_residuals: system.residuals.outputs() > 0,
+            system,
+        }
+    }
+
+    /// Largest scaled entry of G among the eliminated rates; 0 where nothing was chosen.
+    pub(crate) fn growth(&mut self, t: f64, y: &[f64]) -> f64 {
+        if self.system.growth.outputs() == 0 {
+            return 0.0;
+        }
+        let x = self.problem.full_inputs(t, y);
+        self.growth.eval(x).iter().fold(0.0, |a: f64, g| a.max(g.abs()))
+    }
+
+    /// The model's inputs at a state: parameters, time, coordinates, named quasi-velocities and all rates.
+    pub(crate) fn model_inputs(&self, model: &Model, t: f64, y: &[f64]) -> Vec<f64> {
+        let mut inputs = model.inputs();
+        inputs[model.input_index(model.time)] = t;
+        for (c, q) in model.coordinates.iter().zip(y) {
+            inputs[model.input_index(c.q)] = *q;
+        }
+        let kinematics = &self.system.kinematics;
+        for (u, value) in kinematics.quasi.iter().zip(&y[self.system.nq..]) {
+            inputs[model.input_index(u.u)] = *value;
+        }
+        let (g, drift) = kinematic_matrices(model, kinematics, &inputs);
+        for (i, c) in model.coordinates.iter().enumerate() {
+            let rate = drift[i] + (0..self.system.nu).map(|k| g[(i, k)] * y[self.system.nq + k]).sum::<f64>();
+            inputs[model.input_index(c.rate)] = rate;
+        }
+        inputs
+    }
+
+    /// The state that this system has at the given inputs of the model.
+    pub(crate) fn state_from(&self, model: &Model, inputs: &[f64]) -> Vec<f64> {
+        let q = model.coordinates.iter().map(|c| inputs[model.input_index(c.q)]);
+        let u = self.system.kinematics.quasi.iter().map(|u| inputs[model.input_index(u.u)]);
+        q.chain(u).collect()
+    }
+
+    /// Names the first definition or element that is not finite where the right-hand side was not.
+    pub(crate) fn blame(&self, model: &Model, equations: &Equations) -> Option<String> {
+        let (t, y) = self.problem.not_finite.as_ref()?;
+        let inputs = self.model_inputs(model, *t, y);
+        let definitions = model.definitions.iter().map(|d| (format!("`{}`", d.name), d.node));
+        let values = model.elements.iter().map(|e| (format!("the value of `{}`", e.name), e.value));
+        let rates = model.elements.iter().zip(&equations.structure_rates);
+        let rates = rates.map(|(e, rate)| (format!("the rate of the structure of `{}`", e.name), *rate));
+        let all: Vec<(String, headland_expr::NodeId)> = definitions.chain(values).chain(rates).collect();
+        let nodes: Vec<headland_expr::NodeId> = all.iter().map(|(_, n)| *n).collect();
+        let found = model.graph.eval(&nodes, &inputs);
+        let first = found.iter().position(|x| !x.is_finite())?;
+        Some(format!("{} is {} at t = {t} s", all[first].0, found[first]))
+    }
+}
+
+/// The state at the start.
+pub(crate) fn start_state(model: &Model, equations: &Equations, from: f64) -> Result<Vec<f64>, DeriveError> {
+    let mut inputs = start_inputs(model);
+    inputs[model.input_index(model.time)] = from;
+    let q = model.coordinates.iter().map(|c| inputs[model.input_index(c.q)]);
+    let u = initial_velocities(model, &equations.kinematics)?;
+    Ok(q.chain(u).collect())
+}
+
+/// Tolerances by the states' scales.
+pub(crate) fn solver_options(model: &Model, system: &System, options: &RunOptions) -> Options {
+    let coordinates = model.coordinates.iter().map(|c| c.scale);
+    let scales = coordinates.chain(system.kinematics.quasi.iter().map(|u| u.scale));
+    let mut solver = Options::new(options.tolerance, scales.map(|s| s * options.tolerance).collect());
+    solver.max_steps = options.max_steps;
+    solver
+}
