@@ -17,11 +17,7 @@ const POINTS: usize = 64;
 fn every_way(c: &mut Criterion, name: &str, graph: &Graph, outputs: &[NodeId], x: &[f64]) {
     let f = TapeFunction::compile(graph, outputs);
     let operations = f.operations() as u64;
-    eprintln!(
-        "{name}: {operations} operations, {} instructions, {} slots",
-        f.instructions(),
-        f.slots()
-    );
+    eprintln!("{name}: {operations} operations, {} instructions, {} slots", f.instructions(), f.slots());
     let mut group = c.benchmark_group(name);
     group.throughput(Throughput::Elements(operations));
     group.bench_function("graph", |b| b.iter(|| graph.eval(outputs, black_box(x))));
@@ -32,9 +28,7 @@ fn every_way(c: &mut Criterion, name: &str, graph: &Graph, outputs: &[NodeId], x
         let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
         group.throughput(Throughput::Elements(operations * points as u64));
         let way = if points == 4 { "lanes4" } else { "lanes8" };
-        group.bench_function(way, |b| {
-            b.iter(|| evaluator.eval_many(black_box(&columns))[0][0])
-        });
+        group.bench_function(way, |b| b.iter(|| evaluator.eval_many(black_box(&columns))[0][0]));
     }
     group.finish();
 }
@@ -78,11 +72,7 @@ fn spring_chain<S: Scalar>(x: &[S], beta: S, forces: &mut Vec<S>) {
     let spring = |d: S| d + beta * d.powi(3);
     let mut left = spring(x[0]);
     for i in 0..x.len() {
-        let next = if i + 1 < x.len() {
-            x[i + 1] - x[i]
-        } else {
-            -x[i]
-        };
+        let next = if i + 1 < x.len() { x[i + 1] - x[i] } else { -x[i] };
         let right = spring(next);
         forces.push(right - left);
         left = right;
@@ -91,14 +81,10 @@ fn spring_chain<S: Scalar>(x: &[S], beta: S, forces: &mut Vec<S>) {
 
 fn known_formulas(c: &mut Criterion) {
     for n in [8, 64] {
-        let x: Vec<f64> = (0..n + 1)
-            .map(|i| 0.3 * f64::from(i).sin())
-            .chain([1.3])
-            .collect();
+        let x: Vec<f64> = (0..n + 1).map(|i| 0.3 * f64::from(i).sin()).chain([1.3]).collect();
         let inputs = x.len();
         type Formula<S> = fn(&[S], S, &mut Vec<S>);
-        let formulas: [(&str, Formula<f64>); 2] =
-            [("n_trailer", n_trailer), ("spring_chain", spring_chain)];
+        let formulas: [(&str, Formula<f64>); 2] = [("n_trailer", n_trailer), ("spring_chain", spring_chain)];
         for (name, by_hand) in formulas {
             let graph = Graph::new();
             let e: Vec<_> = (0..inputs).map(|i| graph.input(&format!("x{i}"))).collect();
@@ -130,9 +116,7 @@ fn compiling(c: &mut Criterion) {
     for size in [1000, 10_000] {
         let g = RandomGraph::new(1, Mix::Smooth, 10, size);
         group.throughput(Throughput::Elements(size as u64));
-        group.bench_function(size.to_string(), |b| {
-            b.iter(|| TapeFunction::compile(&g.graph, &g.outputs))
-        });
+        group.bench_function(size.to_string(), |b| b.iter(|| TapeFunction::compile(&g.graph, &g.outputs)));
     }
     group.finish();
 }

@@ -42,10 +42,7 @@ impl<F: Function> Jacobian<F> {
     /// If one of `inputs` is not an input of the graph.
     pub fn new(graph: &Graph, outputs: &[NodeId], inputs: &[NodeId]) -> Self {
         let is_input = |&id: &NodeId| graph.node(id).op == headland_expr::Op::Input;
-        assert!(
-            inputs.iter().all(is_input),
-            "a Jacobian is with respect to inputs"
-        );
+        assert!(inputs.iter().all(is_input), "a Jacobian is with respect to inputs");
         let entries = graph.jacobian(outputs, inputs);
         let mut col_ptr = vec![0; inputs.len() + 1];
         for (_, column, _) in &entries {
@@ -56,12 +53,7 @@ impl<F: Function> Jacobian<F> {
         }
         let row_index = entries.iter().map(|(row, _, _)| *row).collect();
         let values: Vec<NodeId> = entries.iter().map(|(_, _, e)| graph.id(*e)).collect();
-        Self {
-            function: F::compile(graph, &values),
-            rows: outputs.len(),
-            col_ptr,
-            row_index,
-        }
+        Self { function: F::compile(graph, &values), rows: outputs.len(), col_ptr, row_index }
     }
 
     /// The values, in the order of [`row_index`](Self::row_index); its inputs are all inputs of the graph.
@@ -115,11 +107,7 @@ impl<F: Function> Jacobian<F> {
     /// If a length is wrong.
     pub fn dense_into(&self, values: &[f64], dense: &mut [f64]) {
         assert_eq!(values.len(), self.row_index.len(), "number of values");
-        assert_eq!(
-            dense.len(),
-            self.rows * self.columns(),
-            "rows times columns"
-        );
+        assert_eq!(dense.len(), self.rows * self.columns(), "rows times columns");
         dense.fill(0.0);
         for j in 0..self.columns() {
             for k in self.col_ptr[j]..self.col_ptr[j + 1] {

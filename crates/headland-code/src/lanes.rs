@@ -164,20 +164,8 @@ mod tests {
     use super::*;
     use headland_expr::ops::{OPS, apply};
 
-    const SPECIAL: [f64; 12] = [
-        0.0,
-        -0.0,
-        1.0,
-        -1.5,
-        0.3,
-        -0.3,
-        f64::INFINITY,
-        f64::NEG_INFINITY,
-        f64::NAN,
-        1e-310,
-        -7.0,
-        1e300,
-    ];
+    const SPECIAL: [f64; 12] =
+        [0.0, -0.0, 1.0, -1.5, 0.3, -0.3, f64::INFINITY, f64::NEG_INFINITY, f64::NAN, 1e-310, -7.0, 1e300];
 
     fn same(a: f64, b: f64) -> bool {
         a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan())
@@ -191,26 +179,15 @@ mod tests {
 
     fn every_operator<L: Lanes>() {
         let n = SPECIAL.len();
-        let pick = |i: usize, stride: usize| -> Vec<f64> {
-            (0..L::WIDTH)
-                .map(|l| SPECIAL[(i / stride + l) % n])
-                .collect()
-        };
+        let pick =
+            |i: usize, stride: usize| -> Vec<f64> { (0..L::WIDTH).map(|l| SPECIAL[(i / stride + l) % n]).collect() };
         for row in OPS {
             for i in 0..n * n * n {
                 let (a, b, c) = (pick(i, 1), pick(i, n), pick(i, n * n));
                 let y = store(apply(row.op, L::load(&a), L::load(&b), L::load(&c)));
                 for l in 0..L::WIDTH {
                     let expected = apply(row.op, a[l], b[l], c[l]);
-                    assert!(
-                        same(y[l], expected),
-                        "{}({}, {}, {}): {} {expected}",
-                        row.name,
-                        a[l],
-                        b[l],
-                        c[l],
-                        y[l]
-                    );
+                    assert!(same(y[l], expected), "{}({}, {}, {}): {} {expected}", row.name, a[l], b[l], c[l], y[l]);
                 }
             }
         }
@@ -218,16 +195,11 @@ mod tests {
 
     fn powers_and_sin_cos<L: Lanes>() {
         for i in 0..SPECIAL.len() {
-            let x: Vec<f64> = (0..L::WIDTH)
-                .map(|l| SPECIAL[(i + l) % SPECIAL.len()])
-                .collect();
+            let x: Vec<f64> = (0..L::WIDTH).map(|l| SPECIAL[(i + l) % SPECIAL.len()]).collect();
             let (sin, cos) = L::load(&x).sin_cos();
             for n in [-3, -1, 0, 1, 2, 5, 8, i32::MAX, i32::MIN] {
                 let y = store(L::load(&x).powi(n));
-                assert!(
-                    x.iter().zip(&y).all(|(&x, &y)| same(y, Scalar::powi(x, n))),
-                    "{x:?}^{n} = {y:?}"
-                );
+                assert!(x.iter().zip(&y).all(|(&x, &y)| same(y, Scalar::powi(x, n))), "{x:?}^{n} = {y:?}");
             }
             for ((x, s), c) in x.iter().zip(store(sin)).zip(store(cos)) {
                 assert!(same(s, x.sin()) && same(c, x.cos()), "{x}");

@@ -75,35 +75,20 @@ pub(crate) struct Lowered {
 
 /// The steps of a program, in its order.
 pub(crate) fn lower(program: &Program) -> Lowered {
-    let mut lowering = Lowering {
-        both: sine_and_cosine(program),
-        ..Lowering::default()
-    };
+    let mut lowering = Lowering { both: sine_and_cosine(program), ..Lowering::default() };
     let mut value = Vec::with_capacity(program.nodes.len());
     for node in &program.nodes {
         let operand = |k: usize| {
-            if k < node.op.arity() {
-                value[node.args[k] as usize]
-            } else {
-                NONE
-            }
+            if k < node.op.arity() { value[node.args[k] as usize] } else { NONE }
         };
         let src = [operand(0), operand(1), operand(2)];
         value.push(match node.op {
             Op::Const => lowering.constant(program.numbers[node.args[0] as usize]),
             Op::Input => lowering.load(node.args[0]),
             Op::Powi => lowering.power(src[0], node.exponent()),
-            Op::Spline => lowering.spline(
-                src[0],
-                &program.splines[node.args[1] as usize],
-                node.args[2] as u8,
-            ),
-            Op::Sin if lowering.both.contains_key(&node.args[0]) => {
-                lowering.sin_cos(node.args[0], src[0])[0]
-            }
-            Op::Cos if lowering.both.contains_key(&node.args[0]) => {
-                lowering.sin_cos(node.args[0], src[0])[1]
-            }
+            Op::Spline => lowering.spline(src[0], &program.splines[node.args[1] as usize], node.args[2] as u8),
+            Op::Sin if lowering.both.contains_key(&node.args[0]) => lowering.sin_cos(node.args[0], src[0])[0],
+            Op::Cos if lowering.both.contains_key(&node.args[0]) => lowering.sin_cos(node.args[0], src[0])[1],
             op => lowering.step(code(op), op, src),
         });
     }
@@ -127,15 +112,8 @@ fn code(op: Op) -> Code {
 fn sine_and_cosine(program: &Program) -> FxHashMap<u32, Option<[u32; 2]>> {
     let mut seen: FxHashMap<u32, Op> = FxHashMap::default();
     let mut both = FxHashMap::default();
-    for node in program
-        .nodes
-        .iter()
-        .filter(|node| matches!(node.op, Op::Sin | Op::Cos))
-    {
-        if seen
-            .insert(node.args[0], node.op)
-            .is_some_and(|other| other != node.op)
-        {
+    for node in program.nodes.iter().filter(|node| matches!(node.op, Op::Sin | Op::Cos)) {
+        if seen.insert(node.args[0], node.op).is_some_and(|other| other != node.op) {
             both.insert(node.args[0], None);
         }
     }
@@ -160,13 +138,7 @@ impl Lowering {
 
     fn step(&mut self, code: Code, op: Op, src: [u32; 3]) -> u32 {
         let dst = self.value();
-        self.out.steps.push(Step {
-            code,
-            op,
-            dst: [dst, NONE],
-            src,
-            table: 0,
-        });
+        self.out.steps.push(Step { code, op, dst: [dst, NONE], src, table: 0 });
         dst
     }
 
@@ -187,11 +159,7 @@ impl Lowering {
     }
 
     fn spline(&mut self, x: u32, table: &Arc<Spline>, order: u8) -> u32 {
-        let known = self
-            .out
-            .tables
-            .iter()
-            .position(|(t, o)| Arc::ptr_eq(t, table) && *o == order);
+        let known = self.out.tables.iter().position(|(t, o)| Arc::ptr_eq(t, table) && *o == order);
         let index = known.unwrap_or_else(|| {
             self.out.tables.push((table.clone(), order));
             self.out.tables.len() - 1
@@ -208,13 +176,7 @@ impl Lowering {
             return values;
         }
         let values = [self.value(), self.value()];
-        self.out.steps.push(Step {
-            code: Code::SinCos,
-            op: Op::Sin,
-            dst: values,
-            src: [x, NONE, NONE],
-            table: 0,
-        });
+        self.out.steps.push(Step { code: Code::SinCos, op: Op::Sin, dst: values, src: [x, NONE, NONE], table: 0 });
         self.both.insert(node, Some(values));
         values
     }

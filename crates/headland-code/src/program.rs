@@ -33,10 +33,7 @@ impl Program {
                 }
             }
         }
-        let number = |id: Option<NodeId>| {
-            id.and_then(|id| graph.constant_value(id))
-                .expect("a constant has a number")
-        };
+        let number = |id: Option<NodeId>| id.and_then(|id| graph.constant_value(id)).expect("a constant has a number");
         pack(
             graph.input_count(),
             needed.iter().map(|n| n.map(|(_, node)| node)),
@@ -61,10 +58,7 @@ impl Program {
         }
         pack(
             self.inputs,
-            needed
-                .iter()
-                .zip(&self.nodes)
-                .map(|(needed, node)| needed.then_some(*node)),
+            needed.iter().zip(&self.nodes).map(|(needed, node)| needed.then_some(*node)),
             |_, index| self.numbers[index as usize],
             |table| self.splines[table as usize].clone(),
             keep.iter().map(|&k| self.outputs[k] as usize),
@@ -74,9 +68,7 @@ impl Program {
     /// The program with some inputs fixed, rebuilt through a graph so that everything folds.
     pub(crate) fn bind(&self, known: &[(usize, f64)]) -> Self {
         let graph = Graph::new();
-        let mut x: Vec<Expr<'_>> = (0..self.inputs)
-            .map(|i| graph.input(&format!("x{i}")))
-            .collect();
+        let mut x: Vec<Expr<'_>> = (0..self.inputs).map(|i| graph.input(&format!("x{i}"))).collect();
         for &(i, value) in known {
             assert!(i < self.inputs, "bind: input {i} of {}", self.inputs);
             x[i] = Expr::Const(value);
@@ -95,19 +87,13 @@ impl Program {
         let mut value: Vec<S> = Vec::with_capacity(self.nodes.len());
         for node in &self.nodes {
             let get = |k: usize| {
-                if k < node.op.arity() {
-                    value[node.args[k] as usize]
-                } else {
-                    S::constant(0.0)
-                }
+                if k < node.op.arity() { value[node.args[k] as usize] } else { S::constant(0.0) }
             };
             value.push(match node.op {
                 Op::Const => S::constant(self.numbers[node.args[0] as usize]),
                 Op::Input => x[node.args[0] as usize],
                 Op::Powi => get(0).powi(node.exponent()),
-                Op::Spline => {
-                    get(0).spline(&self.splines[node.args[1] as usize], node.args[2] as u8)
-                }
+                Op::Spline => get(0).spline(&self.splines[node.args[1] as usize], node.args[2] as u8),
                 op => apply(op, get(0), get(1), get(2)),
             });
         }
@@ -125,13 +111,8 @@ fn pack(
 ) -> Program {
     let mut place = vec![u32::MAX; nodes.len()];
     let mut tables: Vec<u32> = Vec::new(); // index of before
-    let mut packed = Program {
-        inputs,
-        nodes: Vec::new(),
-        numbers: Vec::new(),
-        splines: Vec::new(),
-        outputs: Vec::new(),
-    };
+    let mut packed =
+        Program { inputs, nodes: Vec::new(), numbers: Vec::new(), splines: Vec::new(), outputs: Vec::new() };
     for (i, node) in nodes.enumerate() {
         let Some(mut node) = node else { continue };
         for k in 0..node.op.arity() {

@@ -92,22 +92,16 @@ impl RandomGraph {
     /// A graph of about that many operations, from at least one input; the same for the same arguments.
     pub fn new(seed: u64, mix: Mix, inputs: usize, operations: usize) -> Self {
         let graph = Graph::new();
-        let centre: Vec<f64> = (0..inputs)
-            .map(|i| 0.7 + 0.6 * i as f64 / inputs as f64)
-            .collect();
+        let centre: Vec<f64> = (0..inputs).map(|i| 0.7 + 0.6 * i as f64 / inputs as f64).collect();
         let outputs = {
-            let mut made: Vec<(Expr<'_>, f64)> = centre
-                .iter()
-                .enumerate()
-                .map(|(i, &x)| (graph.input(&format!("x{i}")), x))
-                .collect();
+            let mut made: Vec<(Expr<'_>, f64)> =
+                centre.iter().enumerate().map(|(i, &x)| (graph.input(&format!("x{i}")), x)).collect();
             let mut unused: Vec<usize> = (0..inputs).collect();
             let mut random = Random(seed);
             let mut tries = 0;
             while made.len() < inputs + operations && tries < 100 * (operations + 1) {
                 tries += 1;
-                let operands = [0, 1, 2]
-                    .map(|k| pick(&mut random, made.len(), if k == 0 { &unused } else { &[] }));
+                let operands = [0, 1, 2].map(|k| pick(&mut random, made.len(), if k == 0 { &unused } else { &[] }));
                 let value = operands.map(|i| made[i].1);
                 let mut expr = operands.map(|i| made[i].0);
                 let mut number = value;
@@ -129,19 +123,12 @@ impl RandomGraph {
             let ids: Vec<NodeId> = made[inputs..].iter().map(|(e, _)| graph.id(*e)).collect();
             roots(&graph, &ids)
         };
-        Self {
-            graph,
-            outputs,
-            centre,
-        }
+        Self { graph, outputs, centre }
     }
 
     /// A point within 5 % of the centre.
     pub fn near(&self, random: &mut Random) -> Vec<f64> {
-        self.centre
-            .iter()
-            .map(|x| x * random.uniform(0.95, 1.05))
-            .collect()
+        self.centre.iter().map(|x| x * random.uniform(0.95, 1.05)).collect()
     }
 }
 
@@ -156,18 +143,8 @@ fn pick(random: &mut Random, made: usize, unused: &[usize]) -> usize {
 
 /// A random operation as an expression and its value.
 fn operation<'g>(random: &mut Random, mix: Mix, e: [Expr<'g>; 3], x: [f64; 3]) -> (Expr<'g>, f64) {
-    const ARITHMETIC: [Op; 10] = [
-        Op::Add,
-        Op::Add,
-        Op::Add,
-        Op::Sub,
-        Op::Sub,
-        Op::Mul,
-        Op::Mul,
-        Op::Mul,
-        Op::Mul,
-        Op::Div,
-    ];
+    const ARITHMETIC: [Op; 10] =
+        [Op::Add, Op::Add, Op::Add, Op::Sub, Op::Sub, Op::Mul, Op::Mul, Op::Mul, Op::Mul, Op::Div];
     const CORNERS: [Op; 5] = [Op::Abs, Op::Sign, Op::Min, Op::Max, Op::Select];
     let op = if mix == Mix::Arithmetic || random.below(2) == 0 {
         ARITHMETIC[random.below(ARITHMETIC.len())]
@@ -178,11 +155,7 @@ fn operation<'g>(random: &mut Random, mix: Mix, e: [Expr<'g>; 3], x: [f64; 3]) -
                 return (e[0].powi(n), Scalar::powi(x[0], n));
             }
             1 => {
-                let table = Spline::new(
-                    "table",
-                    &[-2.0, 0.0, 0.5, 1.5, 3.0],
-                    &[0.3, -0.2, 0.7, 1.1, 0.4],
-                );
+                let table = Spline::new("table", &[-2.0, 0.0, 0.5, 1.5, 3.0], &[0.3, -0.2, 0.7, 1.1, 0.4]);
                 let (table, order) = (table.expect("a valid table"), random.below(2) as u8);
                 return (e[0].spline(&table, order), table.eval(x[0], order));
             }
@@ -241,51 +214,27 @@ pub fn check<F: Function>(f: &F, graph: &Graph, outputs: &[NodeId], points: &[Ve
 ///
 /// # Panics
 /// If a bit differs.
-pub fn check_many<F: Function>(
-    evaluator: &mut F::Evaluator,
-    graph: &Graph,
-    outputs: &[NodeId],
-    points: &[Vec<f64>],
-) {
+pub fn check_many<F: Function>(evaluator: &mut F::Evaluator, graph: &Graph, outputs: &[NodeId], points: &[Vec<f64>]) {
     let inputs = graph.input_count();
-    let columns: Vec<Vec<f64>> = (0..inputs)
-        .map(|i| points.iter().map(|x| x[i]).collect())
-        .collect();
+    let columns: Vec<Vec<f64>> = (0..inputs).map(|i| points.iter().map(|x| x[i]).collect()).collect();
     let x: Vec<&[f64]> = columns.iter().map(|column| column.as_slice()).collect();
     let y = evaluator.eval_many(&x);
     assert_eq!(y.len(), outputs.len());
     assert!(y.iter().all(|row| row.len() == points.len()));
     for (p, x) in points.iter().enumerate() {
         for (k, e) in graph.eval(outputs, x).into_iter().enumerate() {
-            assert!(
-                same_bits(y[k][p], e),
-                "output {k}, point {p} of {}: {:e} and not {e:e}",
-                points.len(),
-                y[k][p]
-            );
+            assert!(same_bits(y[k][p], e), "output {k}, point {p} of {}: {:e} and not {e:e}", points.len(), y[k][p]);
         }
     }
 }
 
 /// Every row of the operator table, at its samples and at zeros, infinities and NaN.
 pub fn every_operator_agrees<F: Function>() {
-    const SPECIAL: [f64; 8] = [
-        0.0,
-        -0.0,
-        1.0,
-        -2.5,
-        f64::INFINITY,
-        f64::NEG_INFINITY,
-        f64::NAN,
-        1e-310,
-    ];
+    const SPECIAL: [f64; 8] = [0.0, -0.0, 1.0, -2.5, f64::INFINITY, f64::NEG_INFINITY, f64::NAN, 1e-310];
     for row in OPS {
         let graph = Graph::new();
         let [a, b, c] = ["a", "b", "c"].map(|name| graph.input(name));
-        let outputs = [
-            graph.id(apply(row.op, a, b, c)),
-            graph.id(apply(row.op, b, c, a)),
-        ];
+        let outputs = [graph.id(apply(row.op, a, b, c)), graph.id(apply(row.op, b, c, a))];
         let mut points: Vec<Vec<f64>> = row.samples.iter().map(|x| x.to_vec()).collect();
         for i in 0..512 {
             points.push(vec![SPECIAL[i % 8], SPECIAL[i / 8 % 8], SPECIAL[i / 64]]);
@@ -298,25 +247,13 @@ pub fn every_operator_agrees<F: Function>() {
 
 /// Random graphs of every size and mix.
 pub fn random_graphs_agree<F: Function>() {
-    for (seed, size) in [1, 2, 3, 5, 8, 13, 30, 100, 300, 700, 3000]
-        .into_iter()
-        .cycle()
-        .take(66)
-        .enumerate()
-    {
+    for (seed, size) in [1, 2, 3, 5, 8, 13, 30, 100, 300, 700, 3000].into_iter().cycle().take(66).enumerate() {
         let mix = [Mix::All, Mix::Smooth, Mix::Arithmetic][seed % 3];
         let g = RandomGraph::new(seed as u64, mix, 1 + seed % 7, size);
         let f = F::compile(&g.graph, &g.outputs);
         let mut random = Random(seed as u64);
-        let points: Vec<Vec<f64>> = (0..5)
-            .map(|i| {
-                if i < 3 {
-                    g.near(&mut random)
-                } else {
-                    random.point(g.centre.len())
-                }
-            })
-            .collect();
+        let points: Vec<Vec<f64>> =
+            (0..5).map(|i| if i < 3 { g.near(&mut random) } else { random.point(g.centre.len()) }).collect();
         check(&f, &g.graph, &g.outputs, &points);
     }
 }
@@ -337,13 +274,9 @@ pub fn many_points_agree<F: Function>() {
 pub fn integer_powers_agree<F: Function>() {
     let graph = Graph::new();
     let x = graph.input("x");
-    let outputs: Vec<NodeId> = (-40..=40)
-        .chain([-1024, -255, 1000, i32::MAX, i32::MIN])
-        .map(|n| graph.id(x.powi(n)))
-        .collect();
-    let points: Vec<Vec<f64>> = [0.0, -0.0, 0.3, 0.999, -1.1, 7.3, f64::INFINITY, f64::NAN]
-        .map(|x| vec![x])
-        .to_vec();
+    let outputs: Vec<NodeId> =
+        (-40..=40).chain([-1024, -255, 1000, i32::MAX, i32::MIN]).map(|n| graph.id(x.powi(n))).collect();
+    let points: Vec<Vec<f64>> = [0.0, -0.0, 0.3, 0.999, -1.1, 7.3, f64::INFINITY, f64::NAN].map(|x| vec![x]).to_vec();
     let f = F::compile(&graph, &outputs);
     check(&f, &graph, &outputs, &points);
     check_many::<F>(&mut f.evaluator(), &graph, &outputs, &points);
@@ -358,32 +291,13 @@ pub fn outputs_may_be_anything<F: Function>() {
     let (x, y) = (graph.input("x"), graph.input("y"));
     let (sum, c) = (x + y, Expr::Const(2.5));
     let (sin, cos) = sum.sin_cos();
-    let outputs: Vec<NodeId> = [
-        x,
-        c,
-        sum,
-        sum,
-        sum * c,
-        x,
-        c,
-        sin,
-        cos,
-        sin,
-        y,
-        sum.powi(3),
-        sum.powi(2),
-        Expr::Const(0.0),
-    ]
-    .map(|e| graph.id(e))
-    .to_vec();
+    let outputs: Vec<NodeId> =
+        [x, c, sum, sum, sum * c, x, c, sin, cos, sin, y, sum.powi(3), sum.powi(2), Expr::Const(0.0)]
+            .map(|e| graph.id(e))
+            .to_vec();
     let f = F::compile(&graph, &outputs);
-    assert_eq!(
-        (f.inputs(), f.outputs(), f.operations()),
-        (2, outputs.len(), graph.operations(&outputs))
-    );
-    let points: Vec<Vec<f64>> = (0..13)
-        .map(|i| vec![f64::from(i), 0.5 - f64::from(i)])
-        .collect();
+    assert_eq!((f.inputs(), f.outputs(), f.operations()), (2, outputs.len(), graph.operations(&outputs)));
+    let points: Vec<Vec<f64>> = (0..13).map(|i| vec![f64::from(i), 0.5 - f64::from(i)]).collect();
     check(&f, &graph, &outputs, &points);
     check_many::<F>(&mut f.evaluator(), &graph, &outputs, &points);
     for &output in &outputs {
@@ -394,10 +308,7 @@ pub fn outputs_may_be_anything<F: Function>() {
 /// No outputs; no inputs; neither.
 pub fn nothing_is_a_function<F: Function>() {
     let empty = F::compile(&Graph::new(), &[]);
-    assert_eq!(
-        (empty.inputs(), empty.outputs(), empty.operations()),
-        (0, 0, 0)
-    );
+    assert_eq!((empty.inputs(), empty.outputs(), empty.operations()), (0, 0, 0));
     assert!(empty.evaluator().eval(&[]).is_empty());
     assert!(empty.evaluator().eval_many(&[]).is_empty());
 
@@ -434,13 +345,7 @@ pub fn dropped_outputs_cost_nothing<F: Function>() {
         let f = F::compile(&g.graph, &g.outputs);
         assert_eq!(f.operations(), g.graph.operations(&g.outputs));
         let n = g.outputs.len();
-        for keep in [
-            vec![0],
-            vec![n - 1],
-            vec![n / 2, 0, n / 2],
-            vec![],
-            (0..n).rev().collect(),
-        ] {
+        for keep in [vec![0], vec![n - 1], vec![n / 2, 0, n / 2], vec![], (0..n).rev().collect()] {
             let ids: Vec<NodeId> = keep.iter().map(|&k| g.outputs[k]).collect();
             let kept = f.keep_outputs(&keep);
             assert_eq!((kept.inputs(), kept.outputs()), (4, keep.len()));
@@ -466,10 +371,7 @@ pub fn known_inputs_fold_away<F: Function>() {
         (partly[0], partly[3]) = (f64::NAN, f64::NAN);
         for (f, x) in [(bound, partly), (all, vec![f64::NAN; 5])] {
             for (y, e) in f.evaluator().eval(&x).iter().zip(&expected) {
-                assert!(
-                    (y - e).abs() <= 1e-9 * e.abs().max(1.0) || same_bits(*y, *e),
-                    "seed {seed}: {y} and not {e}"
-                );
+                assert!((y - e).abs() <= 1e-9 * e.abs().max(1.0) || same_bits(*y, *e), "seed {seed}: {y} and not {e}");
             }
         }
     }
@@ -484,10 +386,7 @@ pub fn deep_chains_work<F: Function>() {
     let f = F::compile(&graph, &outputs);
     assert_eq!(f.operations(), 1_000_000);
     check(&f, &graph, &outputs, &[vec![1.0, 0.999, 0.3]]);
-    assert_eq!(
-        f.keep_outputs(&[0]).bind(&[(1, 0.5)]).operations(),
-        1_000_000
-    );
+    assert_eq!(f.keep_outputs(&[0]).bind(&[(1, 0.5)]).operations(), 1_000_000);
 }
 
 /// More values alive at once than 16 bits can number.
@@ -502,12 +401,7 @@ pub fn many_live_values_work<F: Function>() {
         .collect();
     let sum = values.iter().rev().fold(x, |sum, v| sum * *v + y);
     let outputs = [graph.id(sum), graph.id(values[0])];
-    check(
-        &F::compile(&graph, &outputs),
-        &graph,
-        &outputs,
-        &[vec![0.3, 1e-6]],
-    );
+    check(&F::compile(&graph, &outputs), &graph, &outputs, &[vec![0.3, 1e-6]]);
     let all: Vec<NodeId> = values.iter().map(|v| graph.id(*v)).collect();
     check(&F::compile(&graph, &all), &graph, &all, &[vec![0.3, 0.9]]);
 }
@@ -528,13 +422,7 @@ pub fn threads_share_it<F: Function>() {
             scope.spawn(move || {
                 let mut evaluator = f.evaluator();
                 for _ in 0..20 {
-                    assert!(
-                        evaluator
-                            .eval(x)
-                            .iter()
-                            .zip(expected)
-                            .all(|(&y, &e)| same_bits(y, e))
-                    );
+                    assert!(evaluator.eval(x).iter().zip(expected).all(|(&y, &e)| same_bits(y, e)));
                 }
             });
         }

@@ -31,20 +31,13 @@ impl TapeFunction {
     fn new(program: Program) -> Self {
         let mut lowered = lower(&program);
         group(&mut lowered.steps, lowered.values);
-        Self {
-            tape: Arc::new(Tape::new(lowered)),
-            program: Arc::new(program),
-        }
+        Self { tape: Arc::new(Tape::new(lowered)), program: Arc::new(program) }
     }
 
     /// Number of instructions: powers are spelled out, sine with cosine is one.
     pub fn instructions(&self) -> usize {
         let rows_each = |run: &Run| if run.code == Code::Select { 2 } else { 1 };
-        self.tape
-            .runs
-            .iter()
-            .map(|run| (run.end - run.start) as usize / rows_each(run))
-            .sum()
+        self.tape.runs.iter().map(|run| (run.end - run.start) as usize / rows_each(run)).sum()
     }
 
     /// Number of slots, 8 bytes each for one point.
@@ -99,11 +92,7 @@ pub struct TapeEvaluator {
 
 impl Evaluator for TapeEvaluator {
     fn eval(&mut self, x: &[f64]) -> &[f64] {
-        assert_eq!(
-            x.len(),
-            self.inputs,
-            "eval: length of x and number of inputs"
-        );
+        assert_eq!(x.len(), self.inputs, "eval: length of x and number of inputs");
         for (slot, &input) in self.slots.iter_mut().zip(&self.tape.loads) {
             *slot = x[input as usize];
         }
@@ -112,16 +101,9 @@ impl Evaluator for TapeEvaluator {
     }
 
     fn eval_many(&mut self, x: &[&[f64]]) -> &[Vec<f64>] {
-        assert_eq!(
-            x.len(),
-            self.inputs,
-            "eval_many: length of x and number of inputs"
-        );
+        assert_eq!(x.len(), self.inputs, "eval_many: length of x and number of inputs");
         let points = x.first().map_or(1, |row| row.len());
-        assert!(
-            x.iter().all(|row| row.len() == points),
-            "eval_many: every input needs {points} points"
-        );
+        assert!(x.iter().all(|row| row.len() == points), "eval_many: every input needs {points} points");
         for row in &mut self.many {
             row.resize(points, 0.0);
         }
@@ -130,11 +112,8 @@ impl Evaluator for TapeEvaluator {
             self.slots8 = self.tape.new_slots();
         }
         let mut done = self.tape.run_groups(0, x, &mut self.slots8, &mut self.many);
-        done = self
-            .tape
-            .run_groups(done, x, &mut self.slots4, &mut self.many);
-        self.tape
-            .run_groups(done, x, &mut self.slots, &mut self.many);
+        done = self.tape.run_groups(done, x, &mut self.slots4, &mut self.many);
+        self.tape.run_groups(done, x, &mut self.slots, &mut self.many);
         &self.many
     }
 }
@@ -180,14 +159,7 @@ impl Tape {
         for step in lowered.steps.iter().rev() {
             allocator.instruction(step);
         }
-        let Allocator {
-            mut runs,
-            mut rows,
-            constants,
-            outputs,
-            end: slots,
-            ..
-        } = allocator;
+        let Allocator { mut runs, mut rows, constants, outputs, end: slots, .. } = allocator;
         runs.reverse();
         rows.reverse();
         let count = rows.len() as u32;
@@ -200,15 +172,7 @@ impl Tape {
             Rows::Long(rows)
         };
         let loads = lowered.loads.iter().map(|&(_, input)| input).collect();
-        Self {
-            runs,
-            rows,
-            slots: slots as usize,
-            loads,
-            constants,
-            outputs,
-            tables: lowered.tables,
-        }
+        Self { runs, rows, slots: slots as usize, loads, constants, outputs, tables: lowered.tables }
     }
 
     fn new_slots<S: Scalar>(&self) -> Vec<S> {
@@ -220,13 +184,7 @@ impl Tape {
     }
 
     /// Evaluates as many whole groups of lanes as there are from point `start` on; gives the first point left over.
-    fn run_groups<L: Lanes>(
-        &self,
-        start: usize,
-        x: &[&[f64]],
-        slots: &mut [L],
-        y: &mut [Vec<f64>],
-    ) -> usize {
+    fn run_groups<L: Lanes>(&self, start: usize, x: &[&[f64]], slots: &mut [L], y: &mut [Vec<f64>]) -> usize {
         let points = x.first().map_or(1, |row| row.len());
         let mut p = start;
         while p + L::WIDTH <= points {
@@ -268,12 +226,7 @@ impl Slot for u32 {
 }
 
 /// The interpreter: one for numbers and lanes, one decision a run.
-fn run<S: Scalar, I: Slot>(
-    runs: &[Run],
-    rows: &[Row<I>],
-    tables: &[(Arc<Spline>, u8)],
-    s: &mut [S],
-) {
+fn run<S: Scalar, I: Slot>(runs: &[Run], rows: &[Row<I>], tables: &[(Arc<Spline>, u8)], s: &mut [S]) {
     for run in runs {
         let rows = &rows[run.start as usize..run.end as usize];
         match run.code {
@@ -284,9 +237,7 @@ fn run<S: Scalar, I: Slot>(
             Code::Neg => each(rows, |[y, a, _]| s[y] = -s[a]),
             Code::Copy => each(rows, |[y, a, _]| s[y] = s[a]),
             Code::SinCos => each(rows, |[y, a, b]| (s[y], s[b]) = s[a].sin_cos()),
-            Code::Spline => each(rows, |[y, a, b]| {
-                s[y] = s[a].spline(&tables[b].0, tables[b].1)
-            }),
+            Code::Spline => each(rows, |[y, a, b]| s[y] = s[a].spline(&tables[b].0, tables[b].1)),
             Code::Select => {
                 for pair in rows.chunks_exact(2) {
                     let ([y, a, b], [_, cond, _]) = (pair[0].map(I::index), pair[1].map(I::index));
@@ -331,26 +282,11 @@ impl Allocator {
             end += 1;
         };
         lowered.loads.iter().for_each(|&(value, _)| place(value));
-        lowered
-            .constants
-            .iter()
-            .for_each(|&(value, _)| place(value));
+        lowered.constants.iter().for_each(|&(value, _)| place(value));
         let outputs = end as usize..end as usize + lowered.outputs.len();
-        let constants = lowered
-            .constants
-            .iter()
-            .map(|&(value, x)| (slot[value as usize], x))
-            .collect();
+        let constants = lowered.constants.iter().map(|&(value, x)| (slot[value as usize], x)).collect();
         let end = outputs.end as u32;
-        Self {
-            slot,
-            free: Vec::new(),
-            constants,
-            outputs,
-            end,
-            runs: Vec::new(),
-            rows: Vec::new(),
-        }
+        Self { slot, free: Vec::new(), constants, outputs, end, runs: Vec::new(), rows: Vec::new() }
     }
 
     /// Places each output where it is read; what already has a place (an input, an output seen before) is copied there,
@@ -362,8 +298,7 @@ impl Allocator {
             match self.slot[value as usize] {
                 NONE => self.slot[value as usize] = dst,
                 a if (first_constant..fixed).contains(&a) => {
-                    self.constants
-                        .push((dst, self.constants[(a - first_constant) as usize].1));
+                    self.constants.push((dst, self.constants[(a - first_constant) as usize].1));
                 }
                 a => self.push(Code::Copy, Op::Input, &[[dst, a, a]]),
             }
@@ -371,25 +306,10 @@ impl Allocator {
     }
 
     fn instruction(&mut self, step: &Step) {
-        let dst = step.dst.map(|value| {
-            if value == NONE {
-                NONE
-            } else {
-                self.used(value)
-            }
-        });
+        let dst = step.dst.map(|value| if value == NONE { NONE } else { self.used(value) });
         // The results' slots are free before the step, so an operand may have one: operands are read first.
-        self.free.extend(
-            dst.into_iter()
-                .filter(|&slot| slot != NONE && slot as usize >= self.outputs.end),
-        );
-        let [a, b, c] = step.src.map(|value| {
-            if value == NONE {
-                NONE
-            } else {
-                self.used(value)
-            }
-        });
+        self.free.extend(dst.into_iter().filter(|&slot| slot != NONE && slot as usize >= self.outputs.end));
+        let [a, b, c] = step.src.map(|value| if value == NONE { NONE } else { self.used(value) });
         let y = dst[0];
         match step.code {
             Code::Select => self.push(step.code, step.op, &[[y, a, y], [y, b, c]]),
@@ -406,12 +326,7 @@ impl Allocator {
         let end = self.rows.len() as u32;
         match self.runs.last_mut() {
             Some(run) if (run.code, run.op) == (code, op) => run.end = end,
-            _ => self.runs.push(Run {
-                code,
-                op,
-                start,
-                end,
-            }),
+            _ => self.runs.push(Run { code, op, start, end }),
         }
     }
 

@@ -23,12 +23,7 @@ fn jacobian_by_duals(g: &RandomGraph, x: &[f64]) -> Vec<f64> {
 
 /// The same cases every time.
 fn fixed() -> ProptestConfig {
-    ProptestConfig {
-        cases: 200,
-        rng_seed: RngSeed::Fixed(1),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    }
+    ProptestConfig { cases: 200, rng_seed: RngSeed::Fixed(1), failure_persistence: None, ..ProptestConfig::default() }
 }
 
 proptest! {
@@ -86,24 +81,12 @@ fn jacobian_columns_follow_the_inputs_asked_for() {
     assert_eq!(jacobian.col_ptr(), [0, 1, 3]);
     assert_eq!(jacobian.row_index(), [1, 0, 2]);
     let values = [0.0f64.cos(), 2.0, 3.0 * 25.0];
-    assert_eq!(
-        jacobian.function().evaluator().eval(&[2.0, 5.0, 0.0]),
-        values
-    );
+    assert_eq!(jacobian.function().evaluator().eval(&[2.0, 5.0, 0.0]), values);
     assert_eq!(jacobian.dense(&values), [0.0, 1.0, 0.0, 2.0, 0.0, 75.0]);
     let bound = jacobian.bind(&[(0, 2.0)]);
-    assert_eq!(
-        bound.function().evaluator().eval(&[f64::NAN, 5.0, 0.0]),
-        values
-    );
-    assert_eq!(
-        Jacobian::<TapeFunction>::new(&graph, &outputs, &[]).columns(),
-        0
-    );
-    assert_eq!(
-        Jacobian::<TapeFunction>::new(&graph, &[], &wrt).col_ptr(),
-        [0, 0, 0]
-    );
+    assert_eq!(bound.function().evaluator().eval(&[f64::NAN, 5.0, 0.0]), values);
+    assert_eq!(Jacobian::<TapeFunction>::new(&graph, &outputs, &[]).columns(), 0);
+    assert_eq!(Jacobian::<TapeFunction>::new(&graph, &[], &wrt).col_ptr(), [0, 0, 0]);
 }
 
 #[test]

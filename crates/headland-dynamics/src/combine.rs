@@ -23,7 +23,9 @@ pub fn does_not_apply(model: &Model) -> Option<String> {
         return Some(format!("the structure of `{}` is given by quasi-velocities, not by q or q'", e.name));
     }
     let s = model.coordinates.len();
-    (s > MOST_COORDINATES).then(|| format!("{s} coordinates are more than {MOST_COORDINATES}: its full matrix would cost more than it tells"))
+    (s > MOST_COORDINATES).then(|| {
+        format!("{s} coordinates are more than {MOST_COORDINATES}: its full matrix would cost more than it tells")
+    })
 }
 
 /// The equations by algorithm [9]; the caller asks [`does_not_apply`] first.
@@ -48,7 +50,8 @@ pub fn derive_combined<'g>(model: &'g Model, kinematics: &Kinematics, s: &Struct
         .zip(&differentiated)
         .map(|(e, d)| if e.form == StructureForm::Geometric { graph.id(*d) } else { e.structure })
         .collect();
-    let bias = flow.substitute_rates(&graph.tangent(&rate, |i| seeds[i]).into_iter().map(|e| graph.id(e)).collect::<Vec<_>>());
+    let bias =
+        flow.substitute_rates(&graph.tangent(&rate, |i| seeds[i]).into_iter().map(|e| graph.id(e)).collect::<Vec<_>>());
     let rate_inputs: Vec<NodeId> = model.coordinates.iter().map(|c| c.rate).collect();
     let mut w = vec![vec![zero; nq]; model.elements.len()];
     for (e, j, entry) in graph.jacobian(&rate, &rate_inputs) {
@@ -74,13 +77,14 @@ pub fn derive_combined<'g>(model: &'g Model, kinematics: &Kinematics, s: &Struct
     let mut g = vec![vec![zero; nu]; nq];
     for (k, u) in kinematics.quasi.iter().enumerate() {
         let input = model.input_index(u.u);
-        for (i, e) in graph.tangent(&kinematics.rates, |i| (i == input).then_some(Expr::Const(1.0))).into_iter().enumerate() {
+        for (i, e) in
+            graph.tangent(&kinematics.rates, |i| (i == input).then_some(Expr::Const(1.0))).into_iter().enumerate()
+        {
             g[i][k] = e;
         }
     }
     let sum = |terms: &mut dyn Iterator<Item = Expr<'g>>| terms.fold(zero, |a, b| a + b);
-    let residual: Vec<Expr<'g>> =
-        (0..nq).map(|i| h[i] + sum(&mut (0..nq).map(|j| entry(i, j) * drift[j]))).collect();
+    let residual: Vec<Expr<'g>> = (0..nq).map(|i| h[i] + sum(&mut (0..nq).map(|j| entry(i, j) * drift[j]))).collect();
     let hg: Vec<Vec<Expr<'g>>> =
         (0..nq).map(|i| (0..nu).map(|k| sum(&mut (0..nq).map(|j| entry(i, j) * g[j][k]))).collect()).collect();
     let mut m = vec![zero; nu * (nu + 1) / 2];

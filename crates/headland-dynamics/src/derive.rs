@@ -111,7 +111,8 @@ pub fn derive_at(model: &Model, inputs: &[f64], options: &DeriveOptions) -> Resu
     let mut g = vec![Vec::with_capacity(n); kinematics.rates.len()];
     for u in &kinematics.quasi {
         let input = model.input_index(u.u);
-        for (row, e) in g.iter_mut().zip(graph.tangent(&kinematics.rates, |i| (i == input).then_some(Expr::Const(1.0)))) {
+        for (row, e) in g.iter_mut().zip(graph.tangent(&kinematics.rates, |i| (i == input).then_some(Expr::Const(1.0))))
+        {
             row.push(graph.id(e));
         }
     }
@@ -199,11 +200,8 @@ fn mass_diagonal(model: &Model, inputs: &[f64]) -> Vec<f64> {
     if model.kinematics.iter().all(|r| matches!(r.form, headland_model::RowForm::Rate(..))) {
         return vec![0.0; model.coordinates.len()]; // nothing to choose
     }
-    let inertial: Vec<_> = model
-        .elements
-        .iter()
-        .filter(|e| e.kind == ElementKind::Inertia && e.form != StructureForm::Explicit)
-        .collect();
+    let inertial: Vec<_> =
+        model.elements.iter().filter(|e| e.kind == ElementKind::Inertia && e.form != StructureForm::Explicit).collect();
     let structures: Vec<NodeId> = inertial.iter().map(|e| e.structure).collect();
     let values = model.graph.eval(&inertial.iter().map(|e| e.value).collect::<Vec<_>>(), inputs);
     let mut x: Vec<Dual<f64>> = inputs.iter().map(|v| Dual::new(*v, 0.0)).collect();

@@ -77,7 +77,9 @@ pub enum DeriveError {
         value: f64,
     },
     /// Too few initial rates for the quasi-velocities.
-    #[error("too few initial values: the initial rates given ({given}) do not determine {missing}; give one of {candidates}")]
+    #[error(
+        "too few initial values: the initial rates given ({given}) do not determine {missing}; give one of {candidates}"
+    )]
     TooFewInitialRates {
         /// The rates given.
         given: String,
@@ -87,7 +89,9 @@ pub enum DeriveError {
         candidates: String,
     },
     /// Initial rates that contradict the constraints.
-    #[error("the initial rates contradict the constraints: `{name}` was given as {given} but the others make it {found}")]
+    #[error(
+        "the initial rates contradict the constraints: `{name}` was given as {given} but the others make it {found}"
+    )]
     InconsistentStart {
         /// The rate.
         name: String,

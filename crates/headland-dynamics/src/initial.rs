@@ -56,7 +56,11 @@ pub fn initial_velocities(model: &Model, kinematics: &Kinematics) -> Result<Vec<
                 .map(|i| format!("`{}'`", model.coordinates[i].name))
                 .collect();
             DeriveError::TooFewInitialRates {
-                given: if names.is_empty() { "none".into() } else { names.iter().map(|n| format!("`{n}'`")).collect::<Vec<_>>().join(", ") },
+                given: if names.is_empty() {
+                    "none".into()
+                } else {
+                    names.iter().map(|n| format!("`{n}'`")).collect::<Vec<_>>().join(", ")
+                },
                 missing: format!("`{}`", kinematics.quasi[free[missing]].name),
                 candidates: candidates.join(", "),
             }

@@ -59,9 +59,16 @@ pub fn solve_kinematics(model: &Model, inputs: &[f64], mass: &[f64]) -> Result<K
     let graph = &model.graph;
     let rate_inputs: Vec<usize> = model.coordinates.iter().map(|c| model.input_index(c.rate)).collect();
     let is_rate = |i: usize| rate_inputs.contains(&i);
-    let nodes: Vec<NodeId> = model.kinematics.iter().map(|r| match r.form { RowForm::Rate(_, n) | RowForm::Zero(n) => n }).collect();
+    let nodes: Vec<NodeId> = model
+        .kinematics
+        .iter()
+        .map(|r| match r.form {
+            RowForm::Rate(_, n) | RowForm::Zero(n) => n,
+        })
+        .collect();
     let uses_rates = graph.depends(&nodes, is_rate);
-    let explicit = model.kinematics.iter().zip(&uses_rates).all(|(r, uses)| matches!(r.form, RowForm::Rate(..)) && !uses);
+    let explicit =
+        model.kinematics.iter().zip(&uses_rates).all(|(r, uses)| matches!(r.form, RowForm::Rate(..)) && !uses);
 
     let mut rates: Vec<Option<NodeId>> = vec![None; model.coordinates.len()];
     let mut dependent = Vec::new();

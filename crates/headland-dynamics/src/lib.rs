@@ -19,7 +19,7 @@
 //! In order: [`kinematics`] makes (2) of (1), [`structures`] differentiates what the elements are given on,
 //! [`scalar_inertia`] refuses what would be wrong, [`direct`] and [`combine`] are algorithms [10] and [9] of the
 //! article, [`compare`] holds one against the other, [`solve`] is `M u′ = F`, [`energy`] the balance, [`initial`] the
-//! start, and [`derive`](mod@derive) does it all.
+//! start, [`derive`](mod@derive) does it all, and [`present`] writes it down.
 
 pub mod combine;
 pub mod compare;
@@ -29,6 +29,7 @@ pub mod energy;
 pub mod error;
 pub mod initial;
 pub mod kinematics;
+pub mod present;
 pub mod sample;
 pub mod scalar_inertia;
 pub mod solve;

@@ -19,7 +19,9 @@ use crate::structures::Structures;
 /// [`DeriveError::ScalarInertia`] names the first one.
 pub fn check_scalar_inertia(model: &Model, kinematics: &Kinematics, s: &Structures<'_>) -> Result<(), DeriveError> {
     let suspects: Vec<usize> = (0..model.elements.len())
-        .filter(|&e| model.elements[e].kind == ElementKind::Inertia && model.elements[e].form != StructureForm::Geometric)
+        .filter(|&e| {
+            model.elements[e].kind == ElementKind::Inertia && model.elements[e].form != StructureForm::Geometric
+        })
         .filter(|&e| !(kinematics.quasi.len() == 1 && is_homogeneous(model, kinematics, s, e)))
         .collect();
     if suspects.is_empty() {
@@ -93,7 +95,8 @@ fn are_closed(model: &Model, forms: &[Option<NodeId>]) -> Vec<bool> {
             if !size.is_finite() || !at_sum[i].value.is_finite() {
                 continue; // outside the domain of the structure: another state tells
             }
-            let linear = close(at_sum[i].value + at_zero[i].value, ab[i].value + ba[i].value, size + at_sum[i].value.abs());
+            let linear =
+                close(at_sum[i].value + at_zero[i].value, ab[i].value + ba[i].value, size + at_sum[i].value.abs());
             if linear && close(ab[i].dot, ba[i].dot, size) {
                 good[i] = true;
             } else {

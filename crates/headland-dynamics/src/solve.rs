@@ -90,7 +90,8 @@ mod tests {
         // M = A Aᵀ + I for A_ij = 1/(i + 2 j + 1), x known
         for n in 1..9 {
             let a = |i: usize, j: usize| 1.0 / (i + 2 * j + 1) as f64;
-            let entry = |i: usize, j: usize| (0..n).map(|k| a(i, k) * a(j, k)).sum::<f64>() + f64::from(u8::from(i == j));
+            let entry =
+                |i: usize, j: usize| (0..n).map(|k| a(i, k) * a(j, k)).sum::<f64>() + f64::from(u8::from(i == j));
             let x: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
             let f: Vec<f64> = (0..n).map(|i| (0..n).map(|j| entry(i, j) * x[j]).sum()).collect();
             let mut m: Vec<f64> = (0..n).flat_map(|i| (0..=i).map(move |j| (i, j))).map(|(i, j)| entry(i, j)).collect();

@@ -67,7 +67,9 @@ pub fn form_structures<'g>(model: &'g Model, kinematics: &Kinematics) -> Result<
     let inertial: Vec<NodeId> = of_kind(elements, &rate_nodes, ElementKind::Inertia);
     let mut inertial_bias = flow.rate_of(&inertial).into_iter();
     let zero = Expr::Const(0.0);
-    let bias = elements.iter().map(|e| if e.kind == ElementKind::Inertia { inertial_bias.next().unwrap_or(zero) } else { zero });
+    let bias = elements
+        .iter()
+        .map(|e| if e.kind == ElementKind::Inertia { inertial_bias.next().unwrap_or(zero) } else { zero });
     let bias: Vec<Expr<'g>> = bias.collect();
     let values = flow.substitute_rates(&elements.iter().map(|e| e.value).collect::<Vec<_>>());
     let force = elements.iter().enumerate().map(|(i, e)| match e.kind {

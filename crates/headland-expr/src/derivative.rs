@@ -45,7 +45,8 @@ impl Graph {
             if node.op == Op::Select {
                 // Chosen, not multiplied by 0 and 1: the branch not taken may have no derivative.
                 let branch = |k: usize| dot[node.args[k] as usize].unwrap_or(Expr::Const(0.0));
-                dot[i] = Some(Expr::select(self.expr(NodeId(node.args[0])), branch(1), branch(2))).filter(|e| !e.is(0.0));
+                dot[i] =
+                    Some(Expr::select(self.expr(NodeId(node.args[0])), branch(1), branch(2))).filter(|e| !e.is(0.0));
                 continue;
             }
             let partial = node_partials(self, id, node);

@@ -251,7 +251,8 @@ impl Graph {
                         copy[node.args[0] as usize].spline(&arena.splines[node.args[1] as usize], node.args[2] as u8)
                     }
                     op => {
-                        let operand = |k: usize| if k < op.arity() { copy[node.args[k] as usize] } else { Expr::Const(0.0) };
+                        let operand =
+                            |k: usize| if k < op.arity() { copy[node.args[k] as usize] } else { Expr::Const(0.0) };
                         apply(op, operand(0), operand(1), operand(2))
                     }
                 };

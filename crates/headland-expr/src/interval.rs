@@ -35,17 +35,11 @@ pub struct Interval {
 
 impl Interval {
     /// The whole line.
-    pub const WHOLE: Self = Self {
-        lo: f64::NEG_INFINITY,
-        hi: f64::INFINITY,
-    };
+    pub const WHOLE: Self = Self { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
 
     /// The numbers from `lo` to `hi`; a bound that is NaN is no bound.
     pub fn new(lo: f64, hi: f64) -> Self {
-        Self {
-            lo: if lo.is_nan() { f64::NEG_INFINITY } else { lo },
-            hi: if hi.is_nan() { f64::INFINITY } else { hi },
-        }
+        Self { lo: if lo.is_nan() { f64::NEG_INFINITY } else { lo }, hi: if hi.is_nan() { f64::INFINITY } else { hi } }
     }
 
     /// True if `x` lies in it, bounds included.
@@ -77,28 +71,19 @@ impl Interval {
     /// Widened by `ulps` units in the last place.
     fn outward(self, ulps: f64) -> Self {
         let margin = |x: f64| {
-            if x.is_finite() {
-                ulps * (x.abs() * f64::EPSILON + f64::from_bits(1))
-            } else {
-                0.0
-            }
+            if x.is_finite() { ulps * (x.abs() * f64::EPSILON + f64::from_bits(1)) } else { 0.0 }
         };
         Self::new(self.lo - margin(self.lo), self.hi + margin(self.hi))
     }
 
     /// Kept between the given bounds, which the exact result cannot leave.
     fn clamped(self, lo: f64, hi: f64) -> Self {
-        Self {
-            lo: self.lo.clamp(lo, hi),
-            hi: self.hi.clamp(lo, hi),
-        }
+        Self { lo: self.lo.clamp(lo, hi), hi: self.hi.clamp(lo, hi) }
     }
 
     /// Image under a growing function whose range is `[lo, hi]`.
     fn growing(self, f: impl Fn(f64) -> f64, lo: f64, hi: f64) -> Self {
-        Self::new(f(self.lo), f(self.hi))
-            .outward(LIBRARY)
-            .clamped(lo, hi)
+        Self::new(f(self.lo), f(self.hi)).outward(LIBRARY).clamped(lo, hi)
     }
 
     /// The part inside of a domain; `None` if there is none.
@@ -107,12 +92,7 @@ impl Interval {
     }
 
     fn corners(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        let v = [
-            f(self.lo, other.lo),
-            f(self.lo, other.hi),
-            f(self.hi, other.lo),
-            f(self.hi, other.hi),
-        ];
+        let v = [f(self.lo, other.lo), f(self.lo, other.hi), f(self.hi, other.lo), f(self.hi, other.hi)];
         if v.iter().any(|x| x.is_nan()) {
             return Self::WHOLE;
         }
@@ -173,18 +153,14 @@ impl Div for Interval {
         if b.contains(0.0) {
             return Self::WHOLE;
         }
-        self.corners(b, |x, y| if y.is_infinite() { 0.0 } else { x / y })
-            .outward(ARITHMETIC)
+        self.corners(b, |x, y| if y.is_infinite() { 0.0 } else { x / y }).outward(ARITHMETIC)
     }
 }
 
 impl Neg for Interval {
     type Output = Self;
     fn neg(self) -> Self {
-        Self {
-            lo: -self.hi,
-            hi: -self.lo,
-        }
+        Self { lo: -self.hi, hi: -self.lo }
     }
 }
 
@@ -198,17 +174,12 @@ impl Scalar for Interval {
         }
         if n < 0 {
             // The exponent of the smallest integer has no positive twin.
-            return n
-                .checked_neg()
-                .map_or(Self::WHOLE, |m| Self::constant(1.0) / self.powi(m));
+            return n.checked_neg().map_or(Self::WHOLE, |m| Self::constant(1.0) / self.powi(m));
         }
         let (lo, hi) = (Scalar::powi(self.lo, n), Scalar::powi(self.hi, n));
         let ends = Self::new(lo.min(hi), lo.max(hi)).outward(f64::from(n) + ARITHMETIC);
         match n % 2 {
-            0 if self.contains(0.0) => Self {
-                lo: 0.0,
-                hi: ends.hi,
-            },
+            0 if self.contains(0.0) => Self { lo: 0.0, hi: ends.hi },
             0 => ends.clamped(0.0, f64::INFINITY),
             _ => ends,
         }
@@ -218,41 +189,26 @@ impl Scalar for Interval {
             return Self::WHOLE;
         }
         // Monotone in either argument with the other held, so its extremes are at corners.
-        self.corners(y, f64::powf)
-            .outward(LIBRARY)
-            .clamped(0.0, f64::INFINITY)
+        self.corners(y, f64::powf).outward(LIBRARY).clamped(0.0, f64::INFINITY)
     }
     fn sqrt(self) -> Self {
-        self.within(0.0, f64::INFINITY)
-            .map_or(Self::WHOLE, |x| x.growing(f64::sqrt, 0.0, f64::INFINITY))
+        self.within(0.0, f64::INFINITY).map_or(Self::WHOLE, |x| x.growing(f64::sqrt, 0.0, f64::INFINITY))
     }
     fn exp(self) -> Self {
         self.growing(f64::exp, 0.0, f64::INFINITY)
     }
     fn ln(self) -> Self {
-        self.within(0.0, f64::INFINITY).map_or(Self::WHOLE, |x| {
-            x.growing(f64::ln, f64::NEG_INFINITY, f64::INFINITY)
-        })
+        self.within(0.0, f64::INFINITY).map_or(Self::WHOLE, |x| x.growing(f64::ln, f64::NEG_INFINITY, f64::INFINITY))
     }
     fn sin(self) -> Self {
         if self.magnitude() > LARGE_ANGLE || self.width() >= TAU {
             return Self::new(-1.0, 1.0);
         }
         let (a, b) = (self.lo.sin(), self.hi.sin());
-        let ends = Self::new(a.min(b), a.max(b))
-            .outward(LIBRARY)
-            .clamped(-1.0, 1.0);
+        let ends = Self::new(a.min(b), a.max(b)).outward(LIBRARY).clamped(-1.0, 1.0);
         Self {
-            lo: if self.meets_lattice(-FRAC_PI_2, TAU) {
-                -1.0
-            } else {
-                ends.lo
-            },
-            hi: if self.meets_lattice(FRAC_PI_2, TAU) {
-                1.0
-            } else {
-                ends.hi
-            },
+            lo: if self.meets_lattice(-FRAC_PI_2, TAU) { -1.0 } else { ends.lo },
+            hi: if self.meets_lattice(FRAC_PI_2, TAU) { 1.0 } else { ends.hi },
         }
     }
     fn cos(self) -> Self {
@@ -260,36 +216,23 @@ impl Scalar for Interval {
             return Self::new(-1.0, 1.0);
         }
         let (a, b) = (self.lo.cos(), self.hi.cos());
-        let ends = Self::new(a.min(b), a.max(b))
-            .outward(LIBRARY)
-            .clamped(-1.0, 1.0);
+        let ends = Self::new(a.min(b), a.max(b)).outward(LIBRARY).clamped(-1.0, 1.0);
         Self {
-            lo: if self.meets_lattice(PI, TAU) {
-                -1.0
-            } else {
-                ends.lo
-            },
-            hi: if self.meets_lattice(0.0, TAU) {
-                1.0
-            } else {
-                ends.hi
-            },
+            lo: if self.meets_lattice(PI, TAU) { -1.0 } else { ends.lo },
+            hi: if self.meets_lattice(0.0, TAU) { 1.0 } else { ends.hi },
         }
     }
     fn tan(self) -> Self {
-        if self.magnitude() > LARGE_ANGLE || self.width() >= PI || self.meets_lattice(FRAC_PI_2, PI)
-        {
+        if self.magnitude() > LARGE_ANGLE || self.width() >= PI || self.meets_lattice(FRAC_PI_2, PI) {
             return Self::WHOLE;
         }
         self.growing(f64::tan, f64::NEG_INFINITY, f64::INFINITY)
     }
     fn asin(self) -> Self {
-        self.within(-1.0, 1.0)
-            .map_or(Self::WHOLE, |x| x.growing(f64::asin, -FRAC_PI_2, FRAC_PI_2))
+        self.within(-1.0, 1.0).map_or(Self::WHOLE, |x| x.growing(f64::asin, -FRAC_PI_2, FRAC_PI_2))
     }
     fn acos(self) -> Self {
-        self.within(-1.0, 1.0)
-            .map_or(Self::WHOLE, |x| (-x).growing(|x| (-x).acos(), 0.0, PI))
+        self.within(-1.0, 1.0).map_or(Self::WHOLE, |x| (-x).growing(|x| (-x).acos(), 0.0, PI))
     }
     fn atan(self) -> Self {
         self.growing(f64::atan, -FRAC_PI_2, FRAC_PI_2)
@@ -299,9 +242,7 @@ impl Scalar for Interval {
         if self.contains(0.0) && x.lo <= 0.0 {
             return Self::new(-PI, PI);
         }
-        self.corners(x, f64::atan2)
-            .outward(LIBRARY)
-            .clamped(-PI, PI)
+        self.corners(x, f64::atan2).outward(LIBRARY).clamped(-PI, PI)
     }
     fn sinh(self) -> Self {
         self.growing(f64::sinh, f64::NEG_INFINITY, f64::INFINITY)
@@ -309,34 +250,23 @@ impl Scalar for Interval {
     fn cosh(self) -> Self {
         let (a, b) = (self.lo.cosh(), self.hi.cosh());
         let lo = if self.contains(0.0) { 1.0 } else { a.min(b) };
-        Self::new(lo, a.max(b))
-            .outward(LIBRARY)
-            .clamped(1.0, f64::INFINITY)
+        Self::new(lo, a.max(b)).outward(LIBRARY).clamped(1.0, f64::INFINITY)
     }
     fn tanh(self) -> Self {
         self.growing(f64::tanh, -1.0, 1.0)
     }
     fn abs(self) -> Self {
         let (a, b) = (self.lo.abs(), self.hi.abs());
-        Self {
-            lo: if self.contains(0.0) { 0.0 } else { a.min(b) },
-            hi: a.max(b),
-        }
+        Self { lo: if self.contains(0.0) { 0.0 } else { a.min(b) }, hi: a.max(b) }
     }
     fn sign(self) -> Self {
         Self::new(Scalar::sign(self.lo), Scalar::sign(self.hi))
     }
     fn min(self, other: Self) -> Self {
-        Self {
-            lo: self.lo.min(other.lo),
-            hi: self.hi.min(other.hi),
-        }
+        Self { lo: self.lo.min(other.lo), hi: self.hi.min(other.hi) }
     }
     fn max(self, other: Self) -> Self {
-        Self {
-            lo: self.lo.max(other.lo),
-            hi: self.hi.max(other.hi),
-        }
+        Self { lo: self.lo.max(other.lo), hi: self.hi.max(other.hi) }
     }
     fn select(cond: Self, a: Self, b: Self) -> Self {
         if cond.lo >= 0.0 {
@@ -355,11 +285,7 @@ impl Scalar for Interval {
         for i in piece_of(self.lo)..=piece_of(self.hi) {
             let [c0, c1, c2, c3] = pieces[i.max(1) - 1];
             let start = knots[i.max(1) - 1];
-            let cubic = if i == 0 {
-                [c0, c1, 0.0, 0.0]
-            } else {
-                [c0, c1, c2, c3]
-            };
+            let cubic = if i == 0 { [c0, c1, 0.0, 0.0] } else { [c0, c1, c2, c3] };
             let from = if i == 0 { self.lo } else { self.lo.max(start) } - start;
             let to = knots.get(i).map_or(self.hi, |&end| end.min(self.hi)) - start;
             let piece = polynomial_range(derived(cubic, order), from, to);
@@ -377,12 +303,7 @@ fn derived(c: [f64; 4], order: u8) -> [f64; 4] {
 /// Range of a cubic between `from` and `to`: its ends and where its slope vanishes.
 fn polynomial_range(c: [f64; 4], from: f64, to: f64) -> Interval {
     let value = |d: f64| {
-        let terms = [
-            c[0],
-            times(c[1], d),
-            times(c[2], d * d),
-            times(c[3], d * d * d),
-        ];
+        let terms = [c[0], times(c[1], d), times(c[2], d * d), times(c[3], d * d * d)];
         let error = 4.0 * f64::EPSILON * terms.iter().map(|x| x.abs()).sum::<f64>();
         let sum: f64 = terms.iter().sum();
         Interval::new(sum - error, sum + error)
@@ -407,21 +328,14 @@ mod tests {
     use super::*;
 
     fn close(x: Interval, lo: f64, hi: f64) {
-        assert!(
-            (x.lo - lo).abs() < 1e-12 && (x.hi - hi).abs() < 1e-12,
-            "{x:?} is not [{lo}, {hi}]"
-        );
+        assert!((x.lo - lo).abs() < 1e-12 && (x.hi - hi).abs() < 1e-12, "{x:?} is not [{lo}, {hi}]");
     }
 
     #[test]
     fn periodic_functions_know_their_extremes() {
         close(Interval::new(0.0, 2.0).sin(), 0.0, 1.0);
         close(Interval::new(2.0, 5.0).sin(), -1.0, 2f64.sin());
-        close(
-            Interval::new(100.0, 100.1).cos(),
-            100f64.cos(),
-            100.1f64.cos(),
-        );
+        close(Interval::new(100.0, 100.1).cos(), 100f64.cos(), 100.1f64.cos());
         close(Interval::new(-0.1, 0.2).cos(), 0.2f64.cos(), 1.0);
         close(Interval::new(-1.0, 1.0).tan(), -1f64.tan(), 1f64.tan());
         assert_eq!(Interval::new(1.0, 2.0).tan(), Interval::WHOLE);
@@ -442,20 +356,10 @@ mod tests {
     #[test]
     fn spline_range_is_exact() {
         let table = Spline::new("bump", &[0.0, 1.0, 2.0], &[0.0, 1.0, 0.0]).unwrap();
-        let sampled = (0..=2000)
-            .map(|i| table.eval(f64::from(i) * 1e-3, 0))
-            .fold(0.0, f64::max);
+        let sampled = (0..=2000).map(|i| table.eval(f64::from(i) * 1e-3, 0)).fold(0.0, f64::max);
         close(Interval::new(0.0, 2.0).spline(&table, 0), 0.0, sampled);
-        close(
-            Interval::new(0.5, 0.5).spline(&table, 1),
-            table.eval(0.5, 1),
-            table.eval(0.5, 1),
-        );
-        assert!(
-            Interval::new(0.5, 1.5)
-                .spline(&table, 3)
-                .contains(table.eval(0.9, 3))
-        );
+        close(Interval::new(0.5, 0.5).spline(&table, 1), table.eval(0.5, 1), table.eval(0.5, 1));
+        assert!(Interval::new(0.5, 1.5).spline(&table, 3).contains(table.eval(0.9, 3)));
         assert_eq!(Interval::WHOLE.spline(&table, 0).lo, f64::NEG_INFINITY);
     }
 }

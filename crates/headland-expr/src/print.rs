@@ -33,35 +33,17 @@ pub enum Style {
 }
 
 /// Nesting and bytes after which the text of a node is cut off.
-const SHORT: Limits = Limits {
-    depth: 24,
-    length: 240,
-};
-const UNLIMITED: Limits = Limits {
-    depth: u32::MAX,
-    length: usize::MAX,
-};
+const SHORT: Limits = Limits { depth: 24, length: 240 };
+const UNLIMITED: Limits = Limits { depth: u32::MAX, length: usize::MAX };
 
 /// Short text of a node, for messages; `…` stands for what was left out.
 pub fn text(graph: &Graph, id: NodeId) -> String {
-    Writer {
-        graph,
-        style: Style::Text,
-        names: &FxHashMap::default(),
-        limits: SHORT,
-    }
-    .write(id)
+    Writer { graph, style: Style::Text, names: &FxHashMap::default(), limits: SHORT }.write(id)
 }
 
 /// All of a node as one expression. Shared operations are repeated: for large graphs, use [`listing`](fn@listing).
 pub fn expression(graph: &Graph, style: Style, id: NodeId) -> String {
-    Writer {
-        graph,
-        style,
-        names: &FxHashMap::default(),
-        limits: UNLIMITED,
-    }
-    .write(id)
+    Writer { graph, style, names: &FxHashMap::default(), limits: UNLIMITED }.write(id)
 }
 
 #[derive(Clone, Copy)]
@@ -111,12 +93,7 @@ impl Writer<'_> {
     fn write(&self, id: NodeId) -> String {
         let mut text = String::new();
         let mut parts = Vec::new();
-        let mut stack = vec![Task::Node {
-            id,
-            level: 0,
-            unsigned: false,
-            depth: 0,
-        }];
+        let mut stack = vec![Task::Node { id, level: 0, unsigned: false, depth: 0 }];
         while let Some(task) = stack.pop() {
             if text.len() > self.limits.length {
                 text.push('…');
@@ -125,12 +102,7 @@ impl Writer<'_> {
             match task {
                 Task::Text(s) => text.push_str(&s),
                 Task::Node { depth, .. } if depth > self.limits.depth => text.push('…'),
-                Task::Node {
-                    id,
-                    level,
-                    unsigned,
-                    depth,
-                } => {
+                Task::Node { id, level, unsigned, depth } => {
                     match self.style {
                         Style::C => self.expand_c(id, level, depth, &mut parts),
                         _ => self.expand_algebra(id, level, unsigned, depth, &mut parts),
@@ -144,11 +116,7 @@ impl Writer<'_> {
 
     /// The name of a node that has one; the node being defined (`depth` 0) has none.
     fn name(&self, id: NodeId, depth: u32) -> Option<&str> {
-        if depth == 0 {
-            None
-        } else {
-            self.names.get(&id).map(String::as_str)
-        }
+        if depth == 0 { None } else { self.names.get(&id).map(String::as_str) }
     }
 
     fn input_name(&self, index: usize) -> String {

@@ -78,18 +78,8 @@ pub fn timeline(
     let values = kinds.values(graph, inputs);
     let span = Span { t0, t1 };
     let (breakpoints, mut windows) = kinks::find(graph, &kinds, &values, span);
-    windows.extend(windows::find(
-        graph,
-        &kinds,
-        &values,
-        roots,
-        span,
-        &breakpoints,
-    ));
-    Timeline {
-        breakpoints,
-        windows: windows::join(windows, span),
-    }
+    windows.extend(windows::find(graph, &kinds, &values, roots, span, &breakpoints));
+    Timeline { breakpoints, windows: windows::join(windows, span) }
 }
 
 /// The time looked at.
@@ -129,12 +119,7 @@ struct Kinds {
 }
 
 impl Kinds {
-    fn new(
-        graph: &Graph,
-        roots: &[NodeId],
-        time_input: usize,
-        varying: &dyn Fn(usize) -> bool,
-    ) -> Self {
+    fn new(graph: &Graph, roots: &[NodeId], time_input: usize, varying: &dyn Fn(usize) -> bool) -> Self {
         let needed = graph.needed(roots);
         let arena = graph.arena().borrow();
         let mut kind = vec![Kind::Unused; needed.len()];
@@ -143,11 +128,7 @@ impl Kinds {
             kind[i] = match node.op {
                 Op::Input if node.args[0] as usize == time_input => Kind::Time,
                 Op::Input if varying(node.args[0] as usize) => Kind::State,
-                _ => node
-                    .operands()
-                    .map(|a| kind[a.index()])
-                    .max()
-                    .unwrap_or(Kind::Fixed),
+                _ => node.operands().map(|a| kind[a.index()]).max().unwrap_or(Kind::Fixed),
             };
         }
         let any_time = kind.contains(&Kind::Time);

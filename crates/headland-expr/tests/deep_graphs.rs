@@ -14,11 +14,7 @@ fn a_million_operations_deep() {
         let (x, t) = (graph.input("x"), graph.input("t"));
         let mut e = x;
         for k in 0..DEEP / 2 {
-            e = if k % 3 == 0 {
-                e.sin() + t
-            } else {
-                (e * t).cos()
-            };
+            e = if k % 3 == 0 { e.sin() + t } else { (e * t).cos() };
         }
         let root = graph.id(e);
         let y = graph.eval(&[root], &[0.3, 0.7])[0];
@@ -40,18 +36,9 @@ fn a_million_operations_deep() {
             assert!(lines.len() > 1000 && lines.iter().all(|(_, e)| e.len() < 10_000));
         }
         assert!(c_function(&graph, "f", &[root], &[]).len() > DEEP);
-        assert!(
-            timeline(&graph, &[root], 1, &[0.3, 0.0], |_| false, 0.0, 1.0)
-                .breakpoints
-                .is_empty()
-        );
+        assert!(timeline(&graph, &[root], 1, &[0.3, 0.0], |_| false, 0.0, 1.0).breakpoints.is_empty());
     };
-    std::thread::Builder::new()
-        .stack_size(512 * 1024)
-        .spawn(work)
-        .unwrap()
-        .join()
-        .unwrap();
+    std::thread::Builder::new().stack_size(512 * 1024).spawn(work).unwrap().join().unwrap();
 }
 
 /// One expression, nested as deeply as it comes.

@@ -30,18 +30,11 @@ fn compiled_functions_agree_with_the_graph() {
         let mut random = Random(5000 + seed);
         let program = Program::new(&mut random, INPUTS, 40);
         let graph = Graph::new();
-        let inputs: Vec<Expr<'_>> = ["theta[1]", "theta[1]'", "double"]
-            .iter()
-            .map(|name| graph.input(name))
-            .collect();
+        let inputs: Vec<Expr<'_>> = ["theta[1]", "theta[1]'", "double"].iter().map(|name| graph.input(name)).collect();
         let results = program.run(&inputs);
         let roots: Vec<NodeId> = results.iter().map(|e| graph.id(*e)).collect();
-        let named: Vec<(NodeId, String)> = roots
-            .iter()
-            .step_by(5)
-            .enumerate()
-            .map(|(k, id)| (*id, format!("v_C[{k}]'")))
-            .collect();
+        let named: Vec<(NodeId, String)> =
+            roots.iter().step_by(5).enumerate().map(|(k, id)| (*id, format!("v_C[{k}]'"))).collect();
         // Table names are the graph's own: renamed, since here many graphs share a file.
         let rename = |text: String| text.replace("headland_table_", &format!("table_{seed}_"));
         source += &rename(c_tables(&graph, &roots));
@@ -50,15 +43,8 @@ fn compiled_functions_agree_with_the_graph() {
             let x: [f64; INPUTS] = std::array::from_fn(|_| random.between(-2.0, 2.0));
             expected.extend(graph.eval(&roots, &x));
             let arguments = x.map(|x| format!("{x:?}")).join(", ");
-            let _ = write!(
-                main,
-                "    {{ const double x[] = {{{arguments}}}; f{seed}(x, y); }}\n    "
-            );
-            let _ = writeln!(
-                main,
-                "for (int i = 0; i < {}; i++) printf(\"%.17g\\n\", y[i]);",
-                roots.len()
-            );
+            let _ = write!(main, "    {{ const double x[] = {{{arguments}}}; f{seed}(x, y); }}\n    ");
+            let _ = writeln!(main, "for (int i = 0; i < {}; i++) printf(\"%.17g\\n\", y[i]);", roots.len());
         }
     }
     source += &main;
@@ -68,33 +54,11 @@ fn compiled_functions_agree_with_the_graph() {
     std::fs::create_dir_all(&folder).unwrap();
     let (file, binary) = (folder.join("f.c"), folder.join("f"));
     std::fs::write(&file, source).unwrap();
-    let flags = [
-        "-std=c99",
-        "-Wall",
-        "-Wextra",
-        "-Werror",
-        "-O1",
-        "-ffp-contract=off",
-    ];
-    let built = Command::new("cc")
-        .args(flags)
-        .arg(&file)
-        .arg("-o")
-        .arg(&binary)
-        .arg("-lm")
-        .output()
-        .unwrap();
-    assert!(
-        built.status.success(),
-        "{}",
-        String::from_utf8_lossy(&built.stderr)
-    );
+    let flags = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-O1", "-ffp-contract=off"];
+    let built = Command::new("cc").args(flags).arg(&file).arg("-o").arg(&binary).arg("-lm").output().unwrap();
+    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
     let output = Command::new(&binary).output().unwrap();
-    let found: Vec<f64> = String::from_utf8(output.stdout)
-        .unwrap()
-        .lines()
-        .map(number)
-        .collect();
+    let found: Vec<f64> = String::from_utf8(output.stdout).unwrap().lines().map(number).collect();
     std::fs::remove_dir_all(&folder).unwrap();
 
     assert_eq!(found.len(), expected.len());
@@ -102,25 +66,14 @@ fn compiled_functions_agree_with_the_graph() {
     for (i, (a, b)) in found.iter().zip(&expected).enumerate() {
         if a != b && !(a.is_nan() && b.is_nan()) {
             different += 1;
-            assert!(
-                common::close(*a, *b, TOLERANCE),
-                "value {i}: C {a:?}, graph {b:?}"
-            );
+            assert!(common::close(*a, *b, TOLERANCE), "value {i}: C {a:?}, graph {b:?}");
         }
     }
     println!("{different} of {} values differ in their bits", found.len());
-    assert!(
-        different * 20 < found.len(),
-        "{different} of {} values differ",
-        found.len()
-    );
+    assert!(different * 20 < found.len(), "{different} of {} values differ", found.len());
 }
 
 /// C writes `-nan` too.
 fn number(line: &str) -> f64 {
-    if line.contains("nan") {
-        f64::NAN
-    } else {
-        line.parse().unwrap()
-    }
+    if line.contains("nan") { f64::NAN } else { line.parse().unwrap() }
 }

@@ -12,9 +12,7 @@ fn point(random: &mut Random) -> [f64; INPUTS] {
 }
 
 fn build<'g>(graph: &'g Graph, program: &Program) -> Vec<Expr<'g>> {
-    let inputs: Vec<Expr<'g>> = (0..INPUTS)
-        .map(|i| graph.input(&format!("x[{i}]")))
-        .collect();
+    let inputs: Vec<Expr<'g>> = (0..INPUTS).map(|i| graph.input(&format!("x[{i}]"))).collect();
     program.run(&inputs)
 }
 
@@ -57,22 +55,14 @@ fn simplification_keeps_values() {
                     break;
                 }
                 if !close(direct[k], simplified[k], 1e-11) {
-                    assert!(
-                        near_jump(&program, &x, k),
-                        "seed {seed}, result {k}: {} {}",
-                        direct[k],
-                        simplified[k]
-                    );
+                    assert!(near_jump(&program, &x, k), "seed {seed}, result {k}: {} {}", direct[k], simplified[k]);
                     break;
                 }
                 compared += 1;
             }
         }
     }
-    assert!(
-        compared > 10_000,
-        "{compared} compared, {skipped} ended early"
-    );
+    assert!(compared > 10_000, "{compared} compared, {skipped} ended early");
 }
 
 /// Whether an earlier result is so near to zero, compared with its operands, that its sign may be rounding's.
@@ -90,36 +80,20 @@ fn intervals_hold_all_samples() {
         let roots = ids(&graph, &build(&graph, &program));
         let centre = point(&mut random);
         let width = [1e-6, 1e-2, 0.3, 2.0][random.below(4)];
-        let box_: Vec<Interval> = centre
-            .iter()
-            .map(|&x| Interval::new(x, x + width))
-            .collect();
+        let box_: Vec<Interval> = centre.iter().map(|&x| Interval::new(x, x + width)).collect();
         let (bounds, direct) = (graph.eval(&roots, &box_), program.run(&box_));
         for sample in 0..30 {
             // Corners of the box among the samples.
             let part = |random: &mut Random| {
-                if sample < 8 {
-                    random.below(2) as f64
-                } else {
-                    random.between(0.0, 1.0)
-                }
+                if sample < 8 { random.below(2) as f64 } else { random.between(0.0, 1.0) }
             };
-            let x: Vec<f64> = centre
-                .iter()
-                .map(|x| (x + width * part(&mut random)).min(x + width))
-                .collect();
-            for (y, bound) in [
-                (graph.eval(&roots, &x), &bounds),
-                (program.run(&x), &direct),
-            ] {
+            let x: Vec<f64> = centre.iter().map(|x| (x + width * part(&mut random)).min(x + width)).collect();
+            for (y, bound) in [(graph.eval(&roots, &x), &bounds), (program.run(&x), &direct)] {
                 if y.iter().any(|y| !y.is_finite()) {
                     continue; // bounds are of what is defined
                 }
                 for (k, (y, bound)) in y.iter().zip(bound).enumerate() {
-                    assert!(
-                        bound.contains(*y),
-                        "seed {seed}, result {k}: {y} not in {bound:?}"
-                    );
+                    assert!(bound.contains(*y), "seed {seed}, result {k}: {y} not in {bound:?}");
                     narrow += usize::from(bound.width() < 1.0);
                 }
             }
@@ -144,24 +118,14 @@ fn forward_reverse_dual_and_differences_agree() {
         for i in 0..INPUTS {
             let entry = jacobian.iter().find(|(_, column, _)| *column == i);
             let forward = entry.map_or(0.0, |(_, _, e)| graph.eval(&[graph.id(*e)], &x)[0]);
-            let dual: Vec<Dual<f64>> = (0..INPUTS)
-                .map(|j| Dual::new(x[j], f64::from(u8::from(i == j))))
-                .collect();
+            let dual: Vec<Dual<f64>> = (0..INPUTS).map(|j| Dual::new(x[j], f64::from(u8::from(i == j)))).collect();
             let dual = graph.eval(&[root], &dual)[0];
             if !(forward.is_finite() && reverse[i].is_finite() && dual.dot.is_finite()) {
                 continue;
             }
             compared += 1;
-            assert!(
-                close(forward, reverse[i], 1e-7),
-                "seed {seed}: forward {forward}, reverse {}",
-                reverse[i]
-            );
-            assert!(
-                close(forward, dual.dot, 1e-7),
-                "seed {seed}: forward {forward}, dual {}",
-                dual.dot
-            );
+            assert!(close(forward, reverse[i], 1e-7), "seed {seed}: forward {forward}, reverse {}", reverse[i]);
+            assert!(close(forward, dual.dot, 1e-7), "seed {seed}: forward {forward}, dual {}", dual.dot);
             let value = |h: f64| {
                 let mut moved = x;
                 moved[i] += h;
@@ -171,17 +135,11 @@ fn forward_reverse_dual_and_differences_agree() {
             let (fine, coarse) = (slope(1e-6), slope(2e-6));
             if close(fine, coarse, 1e-8) && fine.abs() < 1e3 {
                 against_differences += 1;
-                assert!(
-                    close(forward, fine, 1e-5),
-                    "seed {seed}: exact {forward}, difference {fine}"
-                );
+                assert!(close(forward, fine, 1e-5), "seed {seed}: exact {forward}, difference {fine}");
             }
         }
     }
-    assert!(
-        compared > 300 && against_differences > 200,
-        "{compared}, {against_differences}"
-    );
+    assert!(compared > 300 && against_differences > 200, "{compared}, {against_differences}");
 }
 
 #[test]
@@ -208,17 +166,11 @@ fn rebuilt_graphs_keep_values() {
         let graph = Graph::new();
         let roots = ids(&graph, &build(&graph, &program));
         let target = Graph::new();
-        let inputs: Vec<Expr<'_>> = (0..INPUTS)
-            .map(|i| target.input(&format!("x[{i}]")))
-            .collect();
+        let inputs: Vec<Expr<'_>> = (0..INPUTS).map(|i| target.input(&format!("x[{i}]"))).collect();
         let copy = ids(&target, &graph.rebuild(&roots, &target, |i| inputs[i]));
         let x = point(&mut random);
         let (a, b) = (graph.eval(&roots, &x), target.eval(&copy, &x));
-        for (a, b) in a
-            .iter()
-            .zip(&b)
-            .take_while(|(a, b)| a.is_finite() && b.is_finite())
-        {
+        for (a, b) in a.iter().zip(&b).take_while(|(a, b)| a.is_finite() && b.is_finite()) {
             assert!(close(*a, *b, 1e-10), "seed {seed}: {a} {b}");
         }
     }

@@ -25,11 +25,7 @@ fn read<'g>(text: &str, program: &Program, inputs: &[Expr<'g>]) -> Expr<'g> {
                 let operands = stack.split_off(stack.len() - op.arity());
                 let get = |k: usize| operands.get(k).copied().unwrap_or(Expr::Const(0.0));
                 let is_power = *op == headland_expr::Op::Pow;
-                stack.push(if is_power {
-                    get(0).pow(get(1))
-                } else {
-                    apply(*op, get(0), get(1), get(2))
-                });
+                stack.push(if is_power { get(0).pow(get(1)) } else { apply(*op, get(0), get(1), get(2)) });
             }
             Item::Compare(Comparison::GreaterEqual) => {
                 let (b, a) = (stack.pop().unwrap(), stack.pop().unwrap());

@@ -4,7 +4,10 @@ use headland_expr::parse::Program;
 use headland_expr::{Expr, Graph, NodeId};
 
 use crate::lower::{Lowering, Reported, Typed};
-use crate::model::{Coordinate, Element, ElementKind, Event, Guard, KinematicRow, LinearSolver, Model, Parameter, Plot, Quantity, QuasiVelocity, RunSettings};
+use crate::model::{
+    Coordinate, Element, ElementKind, Event, Guard, KinematicRow, LinearSolver, Model, Parameter, Plot, Quantity,
+    QuasiVelocity, RunSettings,
+};
 use crate::place::{Diagnostic, ModelError, Place};
 use crate::scene::{Data, Scene, Value};
 use crate::symbols::{Binding, DefinitionKind, Formula, Symbol, member_name, parse_key};
@@ -148,7 +151,9 @@ impl<'s, 'g> Builder<'s, 'g> {
             }
             Data::Text(text) => {
                 if let Some(Ok((x, Some(_)))) = parse_quantity(text) {
-                    let unit = text.trim().trim_start_matches(|c: char| !c.is_alphabetic() && c != '%' && c != '°' || c == 'e' || c == 'E');
+                    let unit = text.trim().trim_start_matches(|c: char| {
+                        !c.is_alphabetic() && c != '%' && c != '°' || c == 'e' || c == 'E'
+                    });
                     let mut program = Program::number(x);
                     // The value is in SI already; the unit carries the dimension.
                     if let Ok(u) = parse_unit(unit) {
@@ -193,12 +198,18 @@ impl<'s, 'g> Builder<'s, 'g> {
                     None => continue,
                 };
                 let place = match symbol {
-                    Symbol::Definition(rules, _) => rules.get(&member).map_or(Place::Program, |r| r.formula.place.clone()),
+                    Symbol::Definition(rules, _) => {
+                        rules.get(&member).map_or(Place::Program, |r| r.formula.place.clone())
+                    }
                     _ => Place::Program,
                 };
                 let message = match kind {
-                    DefinitionKind::Parameter => format!("the parameter `{name}` depends on `{input}`; a parameter is made of parameters only"),
-                    _ => format!("the prescribed coordinate `{name}` depends on `{input}`; it must be a function of t alone"),
+                    DefinitionKind::Parameter => {
+                        format!("the parameter `{name}` depends on `{input}`; a parameter is made of parameters only")
+                    }
+                    _ => format!(
+                        "the prescribed coordinate `{name}` depends on `{input}`; it must be a function of t alone"
+                    ),
                 };
                 self.low.report(place, message);
             }
@@ -277,9 +288,9 @@ pub(crate) fn bound_name(name: &str, binding: &Binding) -> String {
         let Some(close) = rest[open..].find(']').map(|i| open + i) else { break };
         let inside = &rest[open + 1..close];
         result.push_str(&rest[..=open]);
-        let value = headland_expr::parse::parse(inside).ok().and_then(|p| {
-            crate::symbols::Symbols::default().index_value(&p, &[(variable.clone(), *k)]).ok()
-        });
+        let value = headland_expr::parse::parse(inside)
+            .ok()
+            .and_then(|p| crate::symbols::Symbols::default().index_value(&p, &[(variable.clone(), *k)]).ok());
         match value {
             Some(i) => result.push_str(&i.to_string()),
             None => result.push_str(inside),

@@ -1,10 +1,10 @@
 //! Names of a scene: indices, tables, parameters, coordinates, quasi-velocities and definitions are declared.
 
-use std::sync::Arc;
 use headland_expr::parse::suggestion;
 use headland_expr::{Expr, Spline};
 use indexmap::IndexMap;
 use rustc_hash::FxHashMap;
+use std::sync::Arc;
 
 use crate::build::{Builder, Made};
 use crate::dimension::Dimension;
@@ -32,7 +32,9 @@ impl<'g> Builder<'_, 'g> {
     pub(crate) fn free_name(&mut self, name: &str, place: &Place, new: &str) -> Made<()> {
         const RESERVED: [&str; 7] = ["t", "pi", "π", "and", "or", "not", "sum"];
         if RESERVED.contains(&name) {
-            return Err(self.low.report(place.clone(), format!("`{name}` has a meaning of its own and cannot name {new}")));
+            return Err(self
+                .low
+                .report(place.clone(), format!("`{name}` has a meaning of its own and cannot name {new}")));
         }
         match self.low.symbols.by_name.get(name) {
             Some(old) => {
@@ -114,7 +116,10 @@ impl<'g> Builder<'_, 'g> {
                 },
                 (key, _) => {
                     let hint = suggestion(key, ["x", "y", "x_unit", "y_unit"]);
-                    return Err(self.low.report(field.key_place.clone(), format!("a table has x, y, x_unit and y_unit, not `{key}`{hint}")));
+                    return Err(self.low.report(
+                        field.key_place.clone(),
+                        format!("a table has x, y, x_unit and y_unit, not `{key}`{hint}"),
+                    ));
                 }
             }
         }
@@ -146,7 +151,11 @@ impl<'g> Builder<'_, 'g> {
                 Data::Number(_) | Data::Array(_) => true,
                 Data::Text(text) => parse_quantity(text).is_some(),
                 _ => {
-                    let message = format!("the parameter `{}` is {}; a number, a quantity, an expression or an array was expected", entry.key, entry.value.data.kind());
+                    let message = format!(
+                        "the parameter `{}` is {}; a number, a quantity, an expression or an array was expected",
+                        entry.key,
+                        entry.value.data.kind()
+                    );
                     self.low.report(entry.value.place.clone(), message);
                     continue;
                 }
@@ -198,7 +207,10 @@ impl<'g> Builder<'_, 'g> {
                     let dimension = if typed.dimension.is_known() { typed.dimension } else { free.clone() };
                     match self.evaluate(typed.expr) {
                         Some(x) => Ok((x, dimension, typed.angle)),
-                        None => Err(self.low.report(value.place.clone(), format!("`{text}` is not a finite number made of parameters"))),
+                        None => Err(self.low.report(
+                            value.place.clone(),
+                            format!("`{text}` is not a finite number made of parameters"),
+                        )),
                     }
                 }
             },
@@ -256,7 +268,11 @@ impl<'g> Builder<'_, 'g> {
             return Err(self.low.report(entry.key_place.clone(), message));
         }
         let Data::Text(text) = &entry.value.data else {
-            let message = format!("the unit of `{}` was expected, such as \"m\" or \"rad\"; found {}", entry.key, entry.value.data.kind());
+            let message = format!(
+                "the unit of `{}` was expected, such as \"m\" or \"rad\"; found {}",
+                entry.key,
+                entry.value.data.kind()
+            );
             return Err(self.low.report(entry.value.place.clone(), message));
         };
         match parse_unit(text) {
@@ -341,7 +357,11 @@ impl<'g> Builder<'_, 'g> {
         let place = entry.key_place.clone();
         let mut key = match parse_key(&entry.key) {
             Ok(key) if key.primes == 0 => key,
-            Ok(_) => return Err(self.low.report(place, format!("`{}` has a prime; a rate is given in [kinematics]", entry.key))),
+            Ok(_) => {
+                return Err(self
+                    .low
+                    .report(place, format!("`{}` has a prime; a rate is given in [kinematics]", entry.key)));
+            }
             Err(message) => return Err(self.low.report(place, message)),
         };
         if !families.contains_key(&key.name) {
@@ -376,7 +396,9 @@ impl<'g> Builder<'_, 'g> {
                 _ => {}
             }
             if family.keys().any(|m| (*m == 0) != single) {
-                return Err(self.low.report(place, format!("`{}` is defined both with and without an index", key.name)));
+                return Err(self
+                    .low
+                    .report(place, format!("`{}` is defined both with and without an index", key.name)));
             }
             family.insert(member, (fixed, Rule { formula: formula.clone(), binding }));
         }

@@ -52,10 +52,7 @@ impl Ratio {
     }
     fn plus(self, other: Self) -> Self {
         let clamp = |x: i64| x.clamp(-(1 << 30), 1 << 30);
-        Self::new(
-            clamp(self.n) * clamp(other.d) + clamp(other.n) * clamp(self.d),
-            clamp(self.d) * clamp(other.d),
-        )
+        Self::new(clamp(self.n) * clamp(other.d) + clamp(other.n) * clamp(self.d), clamp(self.d) * clamp(other.d))
     }
     fn inverse(self) -> Self {
         Self::new(self.d, self.n)

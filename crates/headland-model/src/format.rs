@@ -84,7 +84,13 @@ const EXPLICIT: Key =
 /// The sections, in the order of the manual.
 pub const SECTIONS: &[Section] = &[
     Section { name: "title", shape: Shape::Top, kind: Kind::Text, keys: &[], doc: "what the scene is, in a line" },
-    Section { name: "description", shape: Shape::Top, kind: Kind::Text, keys: &[], doc: "more about it: source, conventions" },
+    Section {
+        name: "description",
+        shape: Shape::Top,
+        kind: Kind::Text,
+        keys: &[],
+        doc: "more about it: source, conventions",
+    },
     names("indices", Kind::Expression, "index = number of members: `k = \"len(l)\"`; members count from 1"),
     names(
         "parameters",
@@ -97,9 +103,17 @@ pub const SECTIONS: &[Section] = &[
         "functions by points, `mu = { x = [..], y = [..], x_unit = \"m\", y_unit = \"1\" }`, used as `mu(x)`: natural cubic spline",
     ),
     names("coordinates", Kind::Unit, "generalised coordinates q and their units: `\"theta[k]\" = \"rad\"`"),
-    names("quasi_velocities", Kind::Unit, "quasi-velocities u and their units; without them the independent rates serve"),
+    names(
+        "quasi_velocities",
+        Kind::Unit,
+        "quasi-velocities u and their units; without them the independent rates serve",
+    ),
     names("prescribed", Kind::Expression, "coordinates that are given functions of the time t"),
-    names("definitions", Kind::Expression, "named intermediate expressions; `\"psi[k+1]\"` from `psi[k]` is a recurrence"),
+    names(
+        "definitions",
+        Kind::Expression,
+        "named intermediate expressions; `\"psi[k+1]\"` from `psi[k]` is a recurrence",
+    ),
     names("kinematics", Kind::Expression, "form (2): `\"x'\" = ..` by quasi-velocities, coordinates and time"),
     elements(
         "constraint",
@@ -123,11 +137,25 @@ pub const SECTIONS: &[Section] = &[
     ),
     elements(
         "force",
-        &[NAME, key("value", Kind::Expression, true, "force or moment along the structure"), GEOMETRIC, IMPLICIT, EXPLICIT],
+        &[
+            NAME,
+            key("value", Kind::Expression, true, "force or moment along the structure"),
+            GEOMETRIC,
+            IMPLICIT,
+            EXPLICIT,
+        ],
         "force elements {force, structure}",
     ),
-    names("initial", Kind::Expression, "initial values of coordinates (`theta`), quasi-velocities (`v`) and rates (`theta'`)"),
-    names("scale", Kind::Expression, "typical size of a state: its absolute tolerance is the relative one times this (1 in SI units)"),
+    names(
+        "initial",
+        Kind::Expression,
+        "initial values of coordinates (`theta`), quasi-velocities (`v`) and rates (`theta'`)",
+    ),
+    names(
+        "scale",
+        Kind::Expression,
+        "typical size of a state: its absolute tolerance is the relative one times this (1 in SI units)",
+    ),
     elements(
         "guard",
         &[
@@ -153,7 +181,12 @@ pub const SECTIONS: &[Section] = &[
         name: "outputs",
         shape: Shape::Keys,
         kind: Kind::Text,
-        keys: &[key("columns", Kind::Texts, false, "names or expressions, with an optional unit: `\"v_C[k]\"`, `\"power [kW]\"`")],
+        keys: &[key(
+            "columns",
+            Kind::Texts,
+            false,
+            "names or expressions, with an optional unit: `\"v_C[k]\"`, `\"power [kW]\"`",
+        )],
         doc: "the columns of trajectory.csv; without it coordinates and quasi-velocities",
     },
     elements(
@@ -177,7 +210,12 @@ pub const SECTIONS: &[Section] = &[
             key("points", Kind::Expression, false, "number of output intervals, 300 by default"),
             key("method", Kind::Text, false, "`auto`, `dop853`, `cvode-bdf`, `cvode-adams`"),
             key("linear_solver", Kind::Text, false, "`ldl` (default) or `crout` for M u' = F"),
-            key("independent", Kind::Texts, false, "the independent rates, instead of the program's choice: `[\"x'\"]`"),
+            key(
+                "independent",
+                Kind::Texts,
+                false,
+                "the independent rates, instead of the program's choice: `[\"x'\"]`",
+            ),
             key("max_step", Kind::Expression, false, "longest step"),
         ],
         doc: "settings of a run; options of the command line go before them",

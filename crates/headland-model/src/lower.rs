@@ -16,8 +16,15 @@ use crate::symbols::{Binding, Formula, Rule, Symbol, Symbols, member_name};
 use crate::units::parse_unit;
 
 /// Functions of the scene format that are not operators: name, least and most arguments.
-const FUNCTIONS: &[(&str, usize, usize)] =
-    &[("if", 3, 3), ("smoothstep", 3, 3), ("clamp", 3, 3), ("step", 1, 1), ("hypot", 2, 2), ("ln", 1, 1), ("cot", 1, 1)];
+const FUNCTIONS: &[(&str, usize, usize)] = &[
+    ("if", 3, 3),
+    ("smoothstep", 3, 3),
+    ("clamp", 3, 3),
+    ("step", 1, 1),
+    ("hypot", 2, 2),
+    ("ln", 1, 1),
+    ("cot", 1, 1),
+];
 
 /// An expression with its dimension.
 #[derive(Clone, Debug)]
@@ -175,7 +182,8 @@ impl<'g> Lowering<'g> {
                         stack.pop();
                         continue;
                     };
-                    let (program, bindings) = (rule.formula.program.clone(), rule.binding.iter().cloned().collect::<Vec<_>>());
+                    let (program, bindings) =
+                        (rule.formula.program.clone(), rule.binding.iter().cloned().collect::<Vec<_>>());
                     self.instances.insert(top, State::Open);
                     let needed = self.dependencies(&program, &bindings);
                     if let Some(cycle) = needed.iter().find(|d| matches!(self.instances.get(d), Some(State::Open))) {
@@ -230,7 +238,9 @@ impl<'g> Lowering<'g> {
             for item in &program.items {
                 match item {
                     Item::Name { name, index, .. } => {
-                        let Some((symbol, _, Symbol::Definition(rules, _))) = self.symbols.by_name.get_full(name.as_str()) else {
+                        let Some((symbol, _, Symbol::Definition(rules, _))) =
+                            self.symbols.by_name.get_full(name.as_str())
+                        else {
                             continue;
                         };
                         let member = match index {
@@ -261,7 +271,12 @@ impl<'g> Lowering<'g> {
     }
 
     /// Runs a program whose definitions are made.
-    fn run(&mut self, program: &Program, formula: &Formula, bindings: &[(Arc<str>, i64)]) -> Result<Typed<'g>, Reported> {
+    fn run(
+        &mut self,
+        program: &Program,
+        formula: &Formula,
+        bindings: &[(Arc<str>, i64)],
+    ) -> Result<Typed<'g>, Reported> {
         let mut stack: Vec<(Typed<'g>, std::ops::Range<usize>)> = Vec::with_capacity(8);
         for (item, span) in program.items.iter().zip(&program.spans) {
             let place = || formula.place.part(span);
@@ -274,9 +289,7 @@ impl<'g> Lowering<'g> {
             let args: Vec<_> = stack.split_off(stack.len().saturating_sub(arity));
             let result = match item {
                 Item::Number(x, unit) => self.number(*x, unit.as_deref(), place())?,
-                Item::Name { name, index, primes } => {
-                    self.name(name, index.as_ref(), *primes, bindings, place())?
-                }
+                Item::Name { name, index, primes } => self.name(name, index.as_ref(), *primes, bindings, place())?,
                 Item::Operator(op) => self.operator(*op, args, formula, place())?,
                 Item::Compare(comparison) => self.compare(*comparison, args, formula, place())?,
                 Item::And | Item::Or | Item::Not => self.logic(item, args, place())?,
@@ -332,13 +345,20 @@ impl<'g> Lowering<'g> {
             Some(Err(message)) => return Err(self.report(place, message)),
         };
         let count = match kind {
-            Symbol::Parameter(values, array) => if *array { values.len() as i64 } else { 0 },
+            Symbol::Parameter(values, array) => {
+                if *array {
+                    values.len() as i64
+                } else {
+                    0
+                }
+            }
             Symbol::Coordinate(_, n) | Symbol::QuasiVelocity(_, n) => *n,
             Symbol::Definition(rules, _) => rules.keys().copied().max().unwrap_or(0),
             _ => 0,
         };
         if member == 0 && index.is_none() && count > 0 {
-            return Err(self.report(place, format!("`{name}` has {count} members; which one? Write `{name}[1]` or `{name}[k]`")));
+            return Err(self
+                .report(place, format!("`{name}` has {count} members; which one? Write `{name}[1]` or `{name}[k]`")));
         }
         if index.is_some() && count == 0 {
             return Err(self.report(place, format!("`{name}` is {} without members; it takes no index", kind.kind())));
@@ -363,7 +383,9 @@ impl<'g> Lowering<'g> {
                 Ok(Typed { expr: self.graph.expr(id), dimension, angle, condition: false })
             }
             Symbol::Index(n) if primes == 0 => {
-                let message = format!("the index `{name}` (1 to {n}) has no value here; a name with `[{name}]` on the left gives it one");
+                let message = format!(
+                    "the index `{name}` (1 to {n}) has no value here; a name with `[{name}]` on the left gives it one"
+                );
                 Err(self.report(place, message))
             }
             Symbol::Coordinate(base, _) => {
@@ -371,14 +393,24 @@ impl<'g> Lowering<'g> {
                 let c = &self.coordinates[i];
                 let id = [c.q, c.rate, c.acceleration][primes as usize];
                 let (dimension, angle) = &self.coordinate_types[i];
-                Ok(Typed { expr: self.graph.expr(id), dimension: per_time(dimension, primes), angle: *angle, condition: false })
+                Ok(Typed {
+                    expr: self.graph.expr(id),
+                    dimension: per_time(dimension, primes),
+                    angle: *angle,
+                    condition: false,
+                })
             }
             Symbol::QuasiVelocity(base, _) if primes < 2 => {
                 let i = base + (member.max(1) - 1) as usize;
                 let u = &self.quasi_velocities[i];
                 let id = [u.u, u.acceleration][primes as usize];
                 let (dimension, angle) = &self.quasi_types[i];
-                Ok(Typed { expr: self.graph.expr(id), dimension: per_time(dimension, primes), angle: *angle, condition: false })
+                Ok(Typed {
+                    expr: self.graph.expr(id),
+                    dimension: per_time(dimension, primes),
+                    angle: *angle,
+                    condition: false,
+                })
             }
             Symbol::Definition(..) => {
                 let Some(State::Done(typed)) = self.instances.get(&(symbol, member)) else { return Err(Reported) };
@@ -387,11 +419,16 @@ impl<'g> Lowering<'g> {
                     return Ok(typed);
                 }
                 let expr = self.time_derivative(typed.expr, primes).map_err(|message| {
-                    self.report(place, format!("`{}{}`: {message}", member_name(name, member), "'".repeat(primes as usize)))
+                    self.report(
+                        place,
+                        format!("`{}{}`: {message}", member_name(name, member), "'".repeat(primes as usize)),
+                    )
                 })?;
                 Ok(Typed { expr, dimension: per_time(&typed.dimension, primes), ..typed })
             }
-            Symbol::Table(..) => Err(self.report(place, format!("`{name}` is a table; it is used as a function: `{name}(x)`"))),
+            Symbol::Table(..) => {
+                Err(self.report(place, format!("`{name}` is a table; it is used as a function: `{name}(x)`")))
+            }
             kind => {
                 let message = wrong_prime(kind);
                 Err(self.report(place, message))
@@ -464,7 +501,10 @@ impl<'g> Lowering<'g> {
                 (a.expr * b.expr, &a.dimension + &b.dimension, angle)
             }
             Op::Div => {
-                let angle = a.angle && (b.dimension.is_none() && !b.angle || matches!(b.expr, Expr::Const(_)) || b.dimension == Dimension::time());
+                let angle = a.angle
+                    && (b.dimension.is_none() && !b.angle
+                        || matches!(b.expr, Expr::Const(_))
+                        || b.dimension == Dimension::time());
                 (a.expr / b.expr, &a.dimension - &b.dimension, angle)
             }
             _ => {
@@ -548,8 +588,13 @@ impl<'g> Lowering<'g> {
             (None, Some((_, least, most))) => (*least, *most),
             (None, None) => {
                 let known = headland_expr::ops::OPS.iter().filter(|r| r.form == headland_expr::ops::Form::Call);
-                let names = known.map(|r| r.name).filter(|n| *n != "select").chain(FUNCTIONS.iter().map(|f| f.0)).chain(["sum", "len"]);
-                let tables = self.symbols.by_name.iter().filter(|(_, s)| matches!(s, Symbol::Table(..))).map(|(n, _)| &**n);
+                let names = known
+                    .map(|r| r.name)
+                    .filter(|n| *n != "select")
+                    .chain(FUNCTIONS.iter().map(|f| f.0))
+                    .chain(["sum", "len"]);
+                let tables =
+                    self.symbols.by_name.iter().filter(|(_, s)| matches!(s, Symbol::Table(..))).map(|(n, _)| &**n);
                 let hint = suggestion(function, names.chain(tables));
                 return Err(self.report(place, format!("unknown function `{function}`{hint}")));
             }
@@ -570,7 +615,8 @@ impl<'g> Lowering<'g> {
                 self.same(&args[0], other, formula, &place, &format!("use in `{function}`"))?;
             }
         }
-        let known = args.iter().map(|a| &a.0.dimension).find(|d| d.is_known()).cloned().unwrap_or(first.dimension.clone());
+        let known =
+            args.iter().map(|a| &a.0.dimension).find(|d| d.is_known()).cloned().unwrap_or(first.dimension.clone());
         Ok(match function {
             "min" => Typed { expr: x[1..].iter().fold(x[0], |a, b| a.min(*b)), dimension: known, ..first },
             "max" => Typed { expr: x[1..].iter().fold(x[0], |a, b| a.max(*b)), dimension: known, ..first },
@@ -581,7 +627,12 @@ impl<'g> Lowering<'g> {
             "step" => none(Expr::select(x[0], Expr::Const(1.0), Expr::Const(0.0)), false),
             "abs" => Typed { expr: x[0].abs(), ..first },
             "sign" => none(x[0].sign(), false),
-            "sqrt" => Typed { expr: x[0].sqrt(), dimension: first.dimension.power(Ratio::new(1, 2)), angle: false, condition: false },
+            "sqrt" => Typed {
+                expr: x[0].sqrt(),
+                dimension: first.dimension.power(Ratio::new(1, 2)),
+                angle: false,
+                condition: false,
+            },
             _ => {
                 for arg in &args {
                     self.pure(arg, formula, &format!("the argument of `{function}`"))?;
@@ -650,7 +701,11 @@ impl<'g> Lowering<'g> {
         Ok(total.unwrap_or(Typed::number(0.0, self.unifier.unknown())))
     }
 
-    fn no_conditions(&mut self, args: &[(Typed<'g>, std::ops::Range<usize>)], formula: &Formula) -> Result<(), Reported> {
+    fn no_conditions(
+        &mut self,
+        args: &[(Typed<'g>, std::ops::Range<usize>)],
+        formula: &Formula,
+    ) -> Result<(), Reported> {
         match args.iter().find(|(a, _)| a.condition) {
             None => Ok(()),
             Some((_, span)) => {

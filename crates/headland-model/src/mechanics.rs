@@ -8,9 +8,9 @@ use crate::dimension::{Dimension, Ratio};
 use crate::lower::{Typed, per_time};
 use crate::model::{Element, ElementKind, KinematicRow, RowForm, StructureForm};
 use crate::place::{Diagnostic, Place};
+use crate::scene::Element as SceneElement;
 use crate::scene::{Data, Entry, Value};
 use crate::symbols::{Binding, Formula, Symbol, member_name, parse_key};
-use crate::scene::Element as SceneElement;
 
 impl<'g> Builder<'_, 'g> {
     pub(crate) fn kinematics(&mut self) {
@@ -60,7 +60,8 @@ impl<'g> Builder<'_, 'g> {
                 _ => false,
             };
             if !fits {
-                let message = format!("`{}` is not a member of the coordinate `{}`", member_name(&key.name, member), key.name);
+                let message =
+                    format!("`{}` is not a member of the coordinate `{}`", member_name(&key.name, member), key.name);
                 return Err(self.low.report(place, message));
             }
             let typed = self.low.lower(&formula, &binding)?;
@@ -69,13 +70,24 @@ impl<'g> Builder<'_, 'g> {
             self.demand(&typed, &per_time(&dimension, 1), angle, &formula, &format!("the rate `{name}`"))?;
             self.no_accelerations(&typed, &formula.place, &format!("the rate `{name}`"))?;
             let node = self.low.graph.id(typed.expr);
-            self.parts.kinematics.push(KinematicRow { name, place: formula.place.clone(), form: RowForm::Rate(i, node) });
+            self.parts.kinematics.push(KinematicRow {
+                name,
+                place: formula.place.clone(),
+                form: RowForm::Rate(i, node),
+            });
         }
         Ok(())
     }
 
     /// Demands a dimension.
-    pub(crate) fn demand(&mut self, typed: &Typed<'g>, wanted: &Dimension, angle: bool, formula: &Formula, what: &str) -> Made<()> {
+    pub(crate) fn demand(
+        &mut self,
+        typed: &Typed<'g>,
+        wanted: &Dimension,
+        angle: bool,
+        formula: &Formula,
+        what: &str,
+    ) -> Made<()> {
         match self.low.unifier.unify(&typed.dimension, wanted) {
             Ok(()) => Ok(()),
             Err((found, wanted)) => {
@@ -104,7 +116,9 @@ impl<'g> Builder<'_, 'g> {
         match self.depends(typed.expr, |i| accelerations.contains(&i)) {
             None => Ok(()),
             Some(input) => {
-                let message = format!("{what} depends on the acceleration `{input}`; coordinates, velocities and time are allowed");
+                let message = format!(
+                    "{what} depends on the acceleration `{input}`; coordinates, velocities and time are allowed"
+                );
                 Err(self.low.report(place.clone(), message))
             }
         }
@@ -140,7 +154,10 @@ impl<'g> Builder<'_, 'g> {
             .filter(|&i| !text[..i].ends_with(['<', '>', '=']) && !text[i + 1..].starts_with('='))
             .collect();
         let &[at] = equals.as_slice() else {
-            return Err(self.low.report(place.clone(), format!("an equation has one `=`: `x'*sin(theta) = y'*cos(theta)`; found `{text}`")));
+            return Err(self.low.report(
+                place.clone(),
+                format!("an equation has one `=`: `x'*sin(theta) = y'*cos(theta)`; found `{text}`"),
+            ));
         };
         let left = self.low.formula(&text[..at], &place.part(&(0..at)))?;
         let right = self.low.formula(&text[at + 1..], &place.part(&(at + 1..text.len())))?;
@@ -159,7 +176,9 @@ impl<'g> Builder<'_, 'g> {
     pub(crate) fn text_field(&mut self, element: &SceneElement, key: &str) -> Made<String> {
         match element.get(key) {
             Some(Value { data: Data::Text(text), .. }) => Ok(text.clone()),
-            Some(other) => Err(self.low.report(other.place.clone(), format!("`{key}` must be a text, found {}", other.data.kind()))),
+            Some(other) => Err(self
+                .low
+                .report(other.place.clone(), format!("`{key}` must be a text, found {}", other.data.kind()))),
             None => Err(self.low.report(element.place.clone(), format!("this element lacks `{key}`"))),
         }
     }
@@ -170,7 +189,13 @@ impl<'g> Builder<'_, 'g> {
         }
     }
 
-    pub(crate) fn element(&mut self, section: &str, element: &SceneElement, kind: ElementKind, power: &Dimension) -> Made<()> {
+    pub(crate) fn element(
+        &mut self,
+        section: &str,
+        element: &SceneElement,
+        kind: ElementKind,
+        power: &Dimension,
+    ) -> Made<()> {
         let name = self.text_field(element, "name")?;
         let structures: Vec<(StructureForm, &Value)> = [
             (StructureForm::Geometric, "geometric"),
@@ -244,14 +269,17 @@ impl<'g> Builder<'_, 'g> {
             ),
         };
         if let Some(input) = wrong {
-            return Err(self.low.report(formula.place.clone(), format!("the structure of `{name}` depends on `{input}`: {advice}")));
+            return Err(self
+                .low
+                .report(formula.place.clone(), format!("the structure of `{name}` depends on `{input}`: {advice}")));
         }
         if kind != ElementKind::Force {
             let parameters: Vec<usize> = self.parts.parameters.iter().map(|p| p.input).collect();
             let constant = matches!(kind, ElementKind::Inertia | ElementKind::Elastic);
             let wrong = self.depends(value.expr, |i| constant && !parameters.contains(&i));
             if let Some(input) = wrong {
-                let message = format!("the value of `{name}` depends on `{input}`; it must be constant (made of parameters)");
+                let message =
+                    format!("the value of `{name}` depends on `{input}`; it must be constant (made of parameters)");
                 return Err(self.low.report(value_formula.place.clone(), message));
             }
         }
@@ -272,7 +300,8 @@ impl<'g> Builder<'_, 'g> {
         formula: &Formula,
     ) -> Made<()> {
         let s = &Dimension::time();
-        let rate = if form == StructureForm::Geometric { &structure.dimension - s } else { structure.dimension.clone() };
+        let rate =
+            if form == StructureForm::Geometric { &structure.dimension - s } else { structure.dimension.clone() };
         let square = rate.power(Ratio::new(2, 1));
         let factor = match kind {
             ElementKind::Inertia => &square - s,

@@ -7,9 +7,9 @@ use crate::dimension::Dimension;
 use crate::lower::Reported;
 use crate::model::{Direction, Event, Guard, LinearSolver, Plot, Quantity, RunSettings};
 use crate::place::Place;
+use crate::scene::Element as SceneElement;
 use crate::scene::{Data, Entry, Value};
 use crate::units::parse_unit;
-use crate::scene::Element as SceneElement;
 
 impl<'g> Builder<'_, 'g> {
     pub(crate) fn outputs(&mut self) {
@@ -44,16 +44,19 @@ impl<'g> Builder<'_, 'g> {
 
     pub(crate) fn column(&mut self, value: &Value) -> Made<()> {
         let Data::Text(text) = &value.data else {
-            return Err(self.low.report(value.place.clone(), format!("a column is a text, found {}", value.data.kind())));
+            return Err(self
+                .low
+                .report(value.place.clone(), format!("a column is a text, found {}", value.data.kind())));
         };
         // "power [kW]": a unit behind a space
-        let (expression, unit) = match text.trim_end().strip_suffix(']').and_then(|t| t.rfind(" [").map(|i| (i, &t[i + 2..]))) {
-            Some((i, unit)) => match parse_unit(unit) {
-                Ok(u) => (&text[..i], Some((u, unit.to_string()))),
-                Err(message) => return Err(self.low.report(value.place.clone(), message)),
-            },
-            None => (text.as_str(), None),
-        };
+        let (expression, unit) =
+            match text.trim_end().strip_suffix(']').and_then(|t| t.rfind(" [").map(|i| (i, &t[i + 2..]))) {
+                Some((i, unit)) => match parse_unit(unit) {
+                    Ok(u) => (&text[..i], Some((u, unit.to_string()))),
+                    Err(message) => return Err(self.low.report(value.place.clone(), message)),
+                },
+                None => (text.as_str(), None),
+            };
         let formula = self.low.formula(expression, &value.place)?;
         for binding in self.members_of(&[&formula], &value.place)? {
             let typed = self.low.lower(&formula, &binding)?;
@@ -65,7 +68,9 @@ impl<'g> Builder<'_, 'g> {
                 quantity.unit.clone_from(text);
             }
             if self.parts.outputs.iter().any(|o| o.name == quantity.name) {
-                return Err(self.low.report(value.place.clone(), format!("the column `{}` stands twice", quantity.name)));
+                return Err(self
+                    .low
+                    .report(value.place.clone(), format!("the column `{}` stands twice", quantity.name)));
             }
             self.parts.outputs.push(quantity);
         }
@@ -169,7 +174,9 @@ impl<'g> Builder<'_, 'g> {
     /// Columns by name: `x`, or `v_C[k]` for all members; `t` is none.
     pub(crate) fn columns_named(&mut self, value: &Value) -> Made<Vec<usize>> {
         let Data::Text(text) = &value.data else {
-            return Err(self.low.report(value.place.clone(), format!("a column is a text, found {}", value.data.kind())));
+            return Err(self
+                .low
+                .report(value.place.clone(), format!("a column is a text, found {}", value.data.kind())));
         };
         if text == "t" {
             return Ok(Vec::new());
@@ -182,7 +189,9 @@ impl<'g> Builder<'_, 'g> {
                 Some(i) => found.push(i),
                 None => {
                     let hint = suggestion(&name, self.parts.outputs.iter().map(|o| o.name.as_str()));
-                    return Err(self.low.report(value.place.clone(), format!("`{name}` is not a column of [outputs]{hint}")));
+                    return Err(self
+                        .low
+                        .report(value.place.clone(), format!("`{name}` is not a column of [outputs]{hint}")));
                 }
             }
         }
@@ -214,7 +223,11 @@ impl<'g> Builder<'_, 'g> {
                 run.linear_solver = match word.as_str() {
                     "ldl" => LinearSolver::Ldl,
                     "crout" => LinearSolver::Crout,
-                    other => return Err(self.low.report(place, format!("`linear_solver` is \"ldl\" or \"crout\", found `{other}`"))),
+                    other => {
+                        return Err(self
+                            .low
+                            .report(place, format!("`linear_solver` is \"ldl\" or \"crout\", found `{other}`")));
+                    }
                 }
             }
             "independent" => run.independent = Some(self.independent(&entry.value)?),

@@ -137,7 +137,9 @@ impl Reader<'_> {
                             self.check_keys(section, &fields, &place);
                             elements.push(Element { fields, place });
                         }
-                        other => self.report_at(&place, format!("found {} where an element was expected", other.kind())),
+                        other => {
+                            self.report_at(&place, format!("found {} where an element was expected", other.kind()))
+                        }
                     }
                 }
                 scene.elements.insert(entry.key, elements);
@@ -148,7 +150,10 @@ impl Reader<'_> {
                     Shape::Names | Shape::Keys => format!("a section: [{}]", section.name),
                     Shape::Elements => format!("elements: [[{}]]", section.name),
                 };
-                self.report_at(&entry.key_place, format!("`{}` is {} but should be {expected}", section.name, data.kind()));
+                self.report_at(
+                    &entry.key_place,
+                    format!("`{}` is {} but should be {expected}", section.name, data.kind()),
+                );
             }
         }
     }

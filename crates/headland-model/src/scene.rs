@@ -173,9 +173,7 @@ impl Scene {
                 self.tables.entry(section).or_default().push(entry);
                 Ok(())
             }
-            Found::Nothing(message) => {
-                Err(ModelError { source, diagnostics: vec![Diagnostic { place, message }] })
-            }
+            Found::Nothing(message) => Err(ModelError { source, diagnostics: vec![Diagnostic { place, message }] }),
         }
     }
 
@@ -193,10 +191,12 @@ impl Scene {
                     return Found::Missing(section.into(), key.into());
                 }
                 let keys: Vec<&str> = self.section(section).iter().map(|e| e.key.as_str()).collect();
-                let hint = headland_expr::parse::suggestion(key, keys.into_iter().chain(format.keys.iter().map(|k| k.name)));
+                let hint =
+                    headland_expr::parse::suggestion(key, keys.into_iter().chain(format.keys.iter().map(|k| k.name)));
                 return Found::Nothing(format!("section `{section}` has no `{key}`{hint}"));
             }
-            let is_named = |e: &Element| matches!(e.get("name"), Some(Value { data: Data::Text(n), .. }) if n == section);
+            let is_named =
+                |e: &Element| matches!(e.get("name"), Some(Value { data: Data::Text(n), .. }) if n == section);
             let place = self.elements.values().enumerate().find_map(|(i, elements)| {
                 let j = elements.iter().position(is_named)?;
                 let k = elements[j].fields.iter().position(|e| e.key == key)?;
@@ -227,8 +227,7 @@ impl Scene {
             }
         }
         let Some((section, i, member)) = at else {
-            let names: Vec<&str> =
-                SEARCHED.iter().flat_map(|s| self.section(s)).map(|e| e.key.as_str()).collect();
+            let names: Vec<&str> = SEARCHED.iter().flat_map(|s| self.section(s)).map(|e| e.key.as_str()).collect();
             let hint = headland_expr::parse::suggestion(name, names);
             return Found::Nothing(format!("the scene has nothing named `{name}` that can be set{hint}"));
         };

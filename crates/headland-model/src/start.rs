@@ -41,7 +41,8 @@ impl<'g> Builder<'_, 'g> {
         for (member, binding) in members {
             let i = base + (member.max(1) - 1) as usize;
             let typed = self.low.lower(&formula, &binding)?;
-            let (dimension, angle) = if kind { self.low.coordinate_types[i].clone() } else { self.low.quasi_types[i].clone() };
+            let (dimension, angle) =
+                if kind { self.low.coordinate_types[i].clone() } else { self.low.quasi_types[i].clone() };
             let what = format!("the initial value of `{}`", entry.key);
             self.demand(&typed, &per_time(&dimension, primes), angle, &formula, &what)?;
             if self.evaluate(typed.expr).is_none() {
@@ -79,7 +80,12 @@ impl<'g> Builder<'_, 'g> {
             _ => None,
         };
         let Some((base, kind, count)) = found else {
-            let states = self.low.symbols.by_name.iter().filter(|(_, s)| matches!(s, Symbol::Coordinate(..) | Symbol::QuasiVelocity(..)));
+            let states = self
+                .low
+                .symbols
+                .by_name
+                .iter()
+                .filter(|(_, s)| matches!(s, Symbol::Coordinate(..) | Symbol::QuasiVelocity(..)));
             let hint = suggestion(&key.name, states.map(|(n, _)| &**n));
             let message = format!("`{}` is not a coordinate, its rate or a quasi-velocity{hint}", entry.key);
             return Err(self.low.report(place, message));
@@ -103,10 +109,13 @@ impl<'g> Builder<'_, 'g> {
         let formula = self.formula_of(&entry.value)?;
         for (member, binding) in members {
             let i = base + (member.max(1) - 1) as usize;
-            let (dimension, angle) = if kind { self.low.coordinate_types[i].clone() } else { self.low.quasi_types[i].clone() };
+            let (dimension, angle) =
+                if kind { self.low.coordinate_types[i].clone() } else { self.low.quasi_types[i].clone() };
             let x = self.number(&formula, &binding, &dimension, angle, &format!("the scale of `{}`", entry.key))?;
             if x <= 0.0 {
-                return Err(self.low.report(formula.place, format!("the scale of `{}` must be positive, found {x}", entry.key)));
+                return Err(self
+                    .low
+                    .report(formula.place, format!("the scale of `{}` must be positive, found {x}", entry.key)));
             }
             let slot = if kind { &mut self.low.coordinates[i].scale } else { &mut self.low.quasi_velocities[i].scale };
             *slot = x;
@@ -115,7 +124,14 @@ impl<'g> Builder<'_, 'g> {
     }
 
     /// A number made of parameters, of a given dimension.
-    pub(crate) fn number(&mut self, formula: &Formula, binding: &Binding, d: &Dimension, angle: bool, what: &str) -> Made<f64> {
+    pub(crate) fn number(
+        &mut self,
+        formula: &Formula,
+        binding: &Binding,
+        d: &Dimension,
+        angle: bool,
+        what: &str,
+    ) -> Made<f64> {
         let typed = self.low.lower(formula, binding)?;
         self.demand(&typed, d, angle, formula, what)?;
         match self.evaluate(typed.expr) {

@@ -123,13 +123,16 @@ impl Symbols {
         for item in &program.items {
             let value = match item {
                 Item::Number(x, None) => *x,
-                Item::Name { name, index: None, primes: 0 } => match bindings.iter().rev().find(|(n, _)| **n == **name) {
+                Item::Name { name, index: None, primes: 0 } => match bindings.iter().rev().find(|(n, _)| **n == **name)
+                {
                     Some((_, k)) => *k as f64,
                     None => match (self.integers.get(name), self.lengths.get(name), self.by_name.get(name.as_str())) {
                         (Some(x), ..) => *x,
                         (None, Some(_), _) => return Err(format!("`{name}` is an array; its length is `len({name})`")),
                         (_, _, Some(Symbol::Index(_))) => {
-                            return Err(format!("the index `{name}` has no value here; a name with `[{name}]` on the left gives it one"));
+                            return Err(format!(
+                                "the index `{name}` has no value here; a name with `[{name}]` on the left gives it one"
+                            ));
                         }
                         _ => return Err(format!("`{name}` is neither an index nor a parameter with a number")),
                     },

@@ -32,11 +32,7 @@ impl Unit {
     }
 
     fn times(&self, other: &Self, sign: i64) -> Self {
-        let (n, d) = if sign > 0 {
-            (other.numerator, other.denominator)
-        } else {
-            (other.denominator, other.numerator)
-        };
+        let (n, d) = if sign > 0 { (other.numerator, other.denominator) } else { (other.denominator, other.numerator) };
         let dimension = &self.dimension + &other.dimension.power(Ratio::new(sign, 1));
         let angle = self.angle || other.angle && sign > 0;
         Self { dimension, angle, numerator: self.numerator * n, denominator: self.denominator * d }
@@ -186,7 +182,10 @@ impl Reader<'_> {
             self.at += 1;
             self.depth += 1;
             if self.depth > 20 {
-                return Err(format!("the unit `{}…` is nested too deeply", self.text.chars().take(20).collect::<String>()));
+                return Err(format!(
+                    "the unit `{}…` is nested too deeply",
+                    self.text.chars().take(20).collect::<String>()
+                ));
             }
             let unit = self.product()?;
             self.skip_space();
@@ -237,7 +236,8 @@ impl Reader<'_> {
         let rest = self.rest();
         let signs = usize::from(rest.starts_with(['-', '+']));
         let end = rest[signs..].find(|c: char| !c.is_ascii_digit()).map_or(rest.len(), |i| i + signs);
-        let n: i32 = rest[..end].parse().map_err(|_| format!("an integer must follow `^` in the unit `{}`", self.text))?;
+        let n: i32 =
+            rest[..end].parse().map_err(|_| format!("an integer must follow `^` in the unit `{}`", self.text))?;
         if n.abs() > 12 {
             return Err(format!("power {n} in the unit `{}` is out of range (-12 to 12)", self.text));
         }

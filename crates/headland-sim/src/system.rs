@@ -77,12 +77,14 @@ impl System {
             RowForm::Rate(..) => None,
         });
         let residuals = by_state(rows.collect());
-        let (watches, events) = Self::event_nodes(model, &graph, &guards, &by_state(model.events.iter().map(|e| e.quantity).collect()));
+        let (watches, events) =
+            Self::event_nodes(model, &graph, &guards, &by_state(model.events.iter().map(|e| e.quantity).collect()));
         let growth = Self::growth_nodes(equations, &graph, &copy);
         let energies = Self::energy_nodes(equations, &graph, &copy);
 
         let compile = |nodes: &[NodeId]| TapeFunction::compile(&graph, nodes);
-        let names = model.coordinates.iter().map(|c| c.name.clone()).chain(kinematics.quasi.iter().map(|u| u.name.clone()));
+        let names =
+            model.coordinates.iter().map(|c| c.name.clone()).chain(kinematics.quasi.iter().map(|u| u.name.clone()));
         Self {
             names: names.collect(),
             nq,
@@ -231,7 +233,9 @@ impl<'t> Copy<'t> {
     fn nodes(&self, nodes: &[NodeId]) -> Vec<NodeId> {
         let name = |i: usize| self.source.input_name(i);
         self.source
-            .rebuild(nodes, self.target, |i| self.inputs[i].unwrap_or_else(|| unreachable!("`{}` was put in by (2)", name(i))))
+            .rebuild(nodes, self.target, |i| {
+                self.inputs[i].unwrap_or_else(|| unreachable!("`{}` was put in by (2)", name(i)))
+            })
             .into_iter()
             .map(|e| self.target.id(e))
             .collect()

@@ -159,7 +159,9 @@ impl<'m> TimeLoop<'m> {
             return Ok(false);
         }
         self.method = Method::CvodeBdf;
-        self.why = format!("auto: stiff; explicit of order 8 until t = {t} s, where its steps stayed at the bound of stability");
+        self.why = format!(
+            "auto: stiff; explicit of order 8 until t = {t} s, where its steps stayed at the bound of stability"
+        );
         self.tell(t, "the motion looks stiff: going on with cvode-bdf", observer);
         self.use_system(self.work.system.clone())?;
         Ok(true)

@@ -7,9 +7,7 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use headland_solve::{
-    EvalFailure, Integrator, Method, OdeProblem, Options, Pattern, Step, method_names,
-};
+use headland_solve::{EvalFailure, Integrator, Method, OdeProblem, Options, Pattern, Step, method_names};
 
 /// One problem of closed form or known end.
 struct Case {
@@ -123,11 +121,7 @@ fn cases() -> Vec<Case> {
             name: "robertson",
             y0: vec![1.0, 0.0, 0.0],
             t_end: 1e11,
-            expected: vec![
-                0.2083340149701255e-7,
-                0.8333360770334713e-13,
-                0.999999979166505,
-            ],
+            expected: vec![0.2083340149701255e-7, 0.8333360770334713e-13, 0.999999979166505],
             make: || Box::new(Robertson(Pattern::dense(3, 3))),
             methods: Method::is_implicit,
         },
@@ -141,10 +135,7 @@ fn solve(case: &Case, method: Method, rtol: f64) -> Box<dyn Integrator> {
     let options = Options::new(rtol, vec![1e-2 * rtol; n]);
     let mut integrator = method.create(n, options).unwrap();
     integrator.start(&mut *problem, 0.0, &case.y0).unwrap();
-    while !matches!(
-        integrator.step(&mut *problem, case.t_end).unwrap(),
-        Step::End { .. }
-    ) {}
+    while !matches!(integrator.step(&mut *problem, case.t_end).unwrap(), Step::End { .. }) {}
     integrator
 }
 
@@ -152,10 +143,7 @@ fn solvers(criterion: &mut Criterion) {
     println!("problem          method       rtol     steps     rhs   error");
     for case in cases() {
         let mut group = criterion.benchmark_group(case.name);
-        group
-            .sample_size(20)
-            .warm_up_time(Duration::from_millis(200))
-            .measurement_time(Duration::from_millis(800));
+        group.sample_size(20).warm_up_time(Duration::from_millis(200)).measurement_time(Duration::from_millis(800));
         for name in method_names() {
             let method = Method::parse(name).unwrap();
             if !(case.methods)(method) {

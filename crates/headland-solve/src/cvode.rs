@@ -36,10 +36,7 @@ pub(crate) struct Cvode {
 impl Cvode {
     pub(crate) fn new(bdf: bool, n: usize, options: &Options) -> Result<Self, SolveError> {
         let highest = if bdf { 5 } else { 12 };
-        if let Some(order) = options
-            .max_order
-            .filter(|order| !(1..=highest).contains(order))
-        {
+        if let Some(order) = options.max_order.filter(|order| !(1..=highest).contains(order)) {
             return Err(SolveError::InvalidOption {
                 option: "max_order".to_owned(),
                 value: order.to_string(),
@@ -64,14 +61,8 @@ impl Cvode {
     }
 
     fn update_stats(&mut self) {
-        let Counts {
-            error_test_failures,
-            solve_failures,
-            setups,
-            iterations,
-            iteration_failures,
-            jacobians,
-        } = self.session.counts();
+        let Counts { error_test_failures, solve_failures, setups, iterations, iteration_failures, jacobians } =
+            self.session.counts();
         let (stats, base) = (&mut self.stats, &self.base);
         (stats.rhs, stats.projections) = self.session.evaluations();
         stats.rejected = base.rejected + error_test_failures + solve_failures;
@@ -87,13 +78,8 @@ impl Cvode {
         let h = (self.session.t_last_evaluation() - t).abs();
         match failed.code {
             sys::CV_ERR_FAILURE => self.step_too_small(problem, h),
-            sys::CV_TOO_MUCH_ACC => SolveError::ToleranceTooSmall {
-                t,
-                factor: self.session.tolerance_factor(),
-            },
-            sys::CV_CONV_FAILURE if self.session.bad_evaluation().is_none() => {
-                SolveError::NonlinearFailed { t, h }
-            }
+            sys::CV_TOO_MUCH_ACC => SolveError::ToleranceTooSmall { t, factor: self.session.tolerance_factor() },
+            sys::CV_CONV_FAILURE if self.session.bad_evaluation().is_none() => SolveError::NonlinearFailed { t, h },
             sys::CV_CONV_FAILURE
             | sys::CV_LSETUP_FAIL
             | sys::CV_RHSFUNC_FAIL
@@ -115,11 +101,7 @@ impl Cvode {
             return evaluation_error(problem, bad);
         }
         let worst = self.session.worst_component(&self.atol);
-        SolveError::StepTooSmall {
-            t: self.t1,
-            h,
-            worst: problem.component_name(worst),
-        }
+        SolveError::StepTooSmall { t: self.t1, h, worst: problem.component_name(worst) }
     }
 }
 
@@ -140,17 +122,12 @@ impl Stepper for Cvode {
         self.has_step = false;
         self.h_max_fell = false;
         self.base = self.stats;
-        self.session
-            .start(problem, t, y, self.h_first, self.h_max)
-            .map_err(|failed| unexpected(failed, t))
+        self.session.start(problem, t, y, self.h_first, self.h_max).map_err(|failed| unexpected(failed, t))
     }
 
     fn advance(&mut self, problem: &mut dyn OdeProblem, t_stop: f64) -> Result<(), SolveError> {
         let mut stop = t_stop;
-        if std::mem::take(&mut self.h_max_fell)
-            && self.has_step
-            && self.session.next_step_size() > self.h_max
-        {
+        if std::mem::take(&mut self.h_max_fell) && self.has_step && self.session.next_step_size() > self.h_max {
             stop = t_stop.min(self.t1 + self.h_max);
         }
         let outcome = self.session.step(problem, stop, t_stop);
@@ -178,19 +155,12 @@ impl Stepper for Cvode {
         self.session.y()
     }
 
-    fn dense(
-        &mut self,
-        _problem: &mut dyn OdeProblem,
-        t: f64,
-        y: &mut [f64],
-    ) -> Result<(), SolveError> {
+    fn dense(&mut self, _problem: &mut dyn OdeProblem, t: f64, y: &mut [f64]) -> Result<(), SolveError> {
         if !self.has_step {
             y.copy_from_slice(self.session.y());
             return Ok(());
         }
-        self.session
-            .interpolate(t, y)
-            .map_err(|failed| unexpected(failed, t))
+        self.session.interpolate(t, y).map_err(|failed| unexpected(failed, t))
     }
 
     fn sketch(&mut self, t: f64, y: &mut [f64]) {
@@ -219,11 +189,7 @@ impl Stepper for Cvode {
 fn evaluation_error(problem: &dyn OdeProblem, bad: BadEvaluation) -> SolveError {
     let BadEvaluation { function, t, .. } = bad;
     match bad.component {
-        Some(i) => SolveError::NotFinite {
-            function,
-            t,
-            component: problem.component_name(i),
-        },
+        Some(i) => SolveError::NotFinite { function, t, component: problem.component_name(i) },
         None => SolveError::EvaluationFailed { function, t },
     }
 }
@@ -237,19 +203,12 @@ fn unexpected(failed: Failed, t: f64) -> SolveError {
         sys::CV_LINIT_FAIL => "the linear solver could not be prepared",
         sys::CV_LSETUP_FAIL => "the iteration matrix could not be set up",
         sys::CV_LSOLVE_FAIL => "the linear solver failed",
-        sys::CV_NLS_INIT_FAIL | sys::CV_NLS_SETUP_FAIL => {
-            "the nonlinear solver could not be prepared"
-        }
+        sys::CV_NLS_INIT_FAIL | sys::CV_NLS_SETUP_FAIL => "the nonlinear solver could not be prepared",
         sys::CV_NLS_FAIL => "the nonlinear solver failed",
         sys::CV_VECTOROP_ERR => "a vector operation failed",
         sys::CV_BAD_T => "the time is outside the last step",
         sys::CV_TOO_CLOSE => "the stop is too close to the start",
         _ => "an unknown failure",
     };
-    SolveError::Library {
-        t,
-        doing: failed.doing,
-        text,
-        code: failed.code,
-    }
+    SolveError::Library { t, doing: failed.doing, text, code: failed.code }
 }

@@ -149,11 +149,7 @@ impl Dop853 {
     /// ```
     fn combine_and_estimate(&mut self, h: f64) -> f64 {
         let n = self.y0.len();
-        let (kb, k5, k3) = (
-            columns(&B, &self.k, n),
-            columns(&E5, &self.k, n),
-            columns(&B3, &self.k, n),
-        );
+        let (kb, k5, k3) = (columns(&B, &self.k, n), columns(&E5, &self.k, n), columns(&B3, &self.k, n));
         let (y0, y1) = (&self.y0[..n], &mut self.y1[..n]);
         let (carry, carry1) = (&self.carry[..n], &mut self.carry1[..n]);
         let atol = &self.atol[..n];
@@ -184,11 +180,7 @@ impl Dop853 {
         evaluated(outcome, function, t)?;
         if let Some(i) = correction.iter().position(|v| !v.is_finite()) {
             let component = problem.component_name(i);
-            return Err(Rejection::Failed(SolveError::NotFinite {
-                function,
-                t,
-                component,
-            }));
+            return Err(Rejection::Failed(SolveError::NotFinite { function, t, component }));
         }
         for (y, c) in self.y1.iter_mut().zip(correction) {
             *y += *c;
@@ -213,8 +205,7 @@ impl Dop853 {
     /// Takes the step that was attempted, and proposes the next.
     fn accept(&mut self, h: f64, t: f64, error: f64, was_rejected: bool, proposed: f64) {
         std::mem::swap(&mut self.carry, &mut self.carry1);
-        self.stiffness
-            .look(h, [&self.k[11], &self.k[12]], [&self.arg, &self.y1]);
+        self.stiffness.look(h, [&self.k[11], &self.k[12]], [&self.arg, &self.y1]);
         self.t1 = t;
         let next = h * factor(error, if was_rejected { 1.0 } else { GROW });
         // A step cut short by the stop says nothing against the longer one proposed.
@@ -233,12 +224,7 @@ impl Dop853 {
         };
         let (size, slope) = (norm(&|i| y[i]), norm(&|i| f[i]));
         let longest = self.h_max.min(t_stop - self.t0);
-        let h0 = if size < 1e-5 || slope < 1e-5 {
-            1e-6
-        } else {
-            0.01 * size / slope
-        }
-        .min(longest);
+        let h0 = if size < 1e-5 || slope < 1e-5 { 1e-6 } else { 0.01 * size / slope }.min(longest);
         for i in 0..n {
             self.arg[i] = y[i] + h0 * f[i];
         }
@@ -255,11 +241,7 @@ impl Dop853 {
         let f1 = &self.k[1];
         let curvature = norm(&|i| f1[i] - self.k[0][i]) / h0;
         let largest = slope.max(curvature);
-        let h1 = if largest <= 1e-15 {
-            (1e-3 * h0).max(1e-6)
-        } else {
-            (0.01 / largest).powf(1.0 / 8.0)
-        };
+        let h1 = if largest <= 1e-15 { (1e-3 * h0).max(1e-6) } else { (0.01 / largest).powf(1.0 / 8.0) };
         Ok((100.0 * h0).min(h1).min(longest))
     }
 
@@ -281,12 +263,7 @@ impl Dop853 {
         let (c, i) = stages
             .filter_map(|(s, k)| k.iter().position(|v| !v.is_finite()).map(|i| (C[s], i)))
             .next()
-            .or_else(|| {
-                self.y1
-                    .iter()
-                    .position(|v| !v.is_finite())
-                    .map(|i| (1.0, i))
-            })
+            .or_else(|| self.y1.iter().position(|v| !v.is_finite()).map(|i| (1.0, i)))
             .unwrap_or((0.0, 0));
         Rejection::Failed(SolveError::NotFinite {
             function: Function::Rhs,
@@ -303,11 +280,7 @@ impl Dop853 {
             dot(&E5, &k, i).abs() / scale
         };
         let worst = (0..n).max_by(|&i, &j| error(i).total_cmp(&error(j)));
-        SolveError::StepTooSmall {
-            t: self.t0,
-            h,
-            worst: problem.component_name(worst.unwrap_or(0)),
-        }
+        SolveError::StepTooSmall { t: self.t0, h, worst: problem.component_name(worst.unwrap_or(0)) }
     }
 
     /// The three further stages of dense output and its coefficients.
@@ -384,16 +357,10 @@ impl Stepper for Dop853 {
         self.stats.rhs += 1;
         let function = Function::Rhs;
         // Into k_12, from where the first step fetches it like every other.
-        problem
-            .rhs(t, y, &mut self.k[12])
-            .map_err(|_| SolveError::EvaluationFailed { function, t })?;
+        problem.rhs(t, y, &mut self.k[12]).map_err(|_| SolveError::EvaluationFailed { function, t })?;
         match self.k[12].iter().position(|v| !v.is_finite()) {
             None => Ok(()),
-            Some(i) => Err(SolveError::NotFinite {
-                function,
-                t,
-                component: problem.component_name(i),
-            }),
+            Some(i) => Err(SolveError::NotFinite { function, t, component: problem.component_name(i) }),
         }
     }
 
@@ -444,12 +411,7 @@ impl Stepper for Dop853 {
         &self.y1
     }
 
-    fn dense(
-        &mut self,
-        problem: &mut dyn OdeProblem,
-        t: f64,
-        y: &mut [f64],
-    ) -> Result<(), SolveError> {
+    fn dense(&mut self, problem: &mut dyn OdeProblem, t: f64, y: &mut [f64]) -> Result<(), SolveError> {
         if !self.has_poly && self.t1 > self.t0 {
             self.prepare_dense(problem)?;
         }
@@ -556,11 +518,7 @@ fn all_finite(v: &[f64]) -> bool {
     sum == 0.0
 }
 
-fn evaluated(
-    outcome: Result<(), EvalFailure>,
-    function: Function,
-    t: f64,
-) -> Result<(), Rejection> {
+fn evaluated(outcome: Result<(), EvalFailure>, function: Function, t: f64) -> Result<(), Rejection> {
     outcome.map_err(|failure| {
         let error = SolveError::EvaluationFailed { function, t };
         match failure {

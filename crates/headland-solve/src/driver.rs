@@ -15,12 +15,7 @@ pub(crate) trait Stepper: Send {
     /// State at the end of the last step.
     fn y_end(&self) -> &[f64];
     /// Dense output in the last step.
-    fn dense(
-        &mut self,
-        problem: &mut dyn OdeProblem,
-        t: f64,
-        y: &mut [f64],
-    ) -> Result<(), SolveError>;
+    fn dense(&mut self, problem: &mut dyn OdeProblem, t: f64, y: &mut [f64]) -> Result<(), SolveError>;
     /// The same without evaluations, perhaps less accurate.
     fn sketch(&mut self, t: f64, y: &mut [f64]);
     fn set_h_max(&mut self, h: f64);
@@ -60,17 +55,10 @@ impl<S: Stepper> Driver<S> {
     }
 
     /// Where the state goes next: to the end of the step, to the stop or to an event.
-    fn go_through_step(
-        &mut self,
-        problem: &mut dyn OdeProblem,
-        t_stop: f64,
-    ) -> Result<Step, SolveError> {
+    fn go_through_step(&mut self, problem: &mut dyn OdeProblem, t_stop: f64) -> Result<Step, SolveError> {
         let (t_begin, t_end) = self.stepper.span();
         let t_next = t_end.min(t_stop);
-        if let Some(hit) = self
-            .locator
-            .search(&mut self.stepper, problem, self.t, t_next)?
-        {
+        if let Some(hit) = self.locator.search(&mut self.stepper, problem, self.t, t_next)? {
             self.move_to(hit.t);
             self.y.copy_from_slice(self.locator.y_hit());
             self.stepper.stats_mut().events += 1;
@@ -85,11 +73,7 @@ impl<S: Stepper> Driver<S> {
         Ok(if t_next == t_stop {
             Step::End { t: t_next }
         } else {
-            Step::Advanced {
-                t: t_next,
-                h: t_end - t_begin,
-                order: self.stepper.order(),
-            }
+            Step::Advanced { t: t_next, h: t_end - t_begin, order: self.stepper.order() }
         })
     }
 
@@ -107,11 +91,7 @@ impl<S: Stepper> Integrator for Driver<S> {
     fn start(&mut self, problem: &mut dyn OdeProblem, t: f64, y: &[f64]) -> Result<(), SolveError> {
         assert_eq!(y.len(), self.n, "state of another length than the method's");
         assert_eq!(problem.len(), self.n, "problem of another length");
-        let bad = |component: String, value| SolveError::InvalidStart {
-            t,
-            component,
-            value,
-        };
+        let bad = |component: String, value| SolveError::InvalidStart { t, component, value };
         if !t.is_finite() {
             return Err(bad("t".to_owned(), t));
         }
@@ -167,12 +147,7 @@ impl<S: Stepper> Integrator for Driver<S> {
         &self.y
     }
 
-    fn interpolate(
-        &mut self,
-        problem: &mut dyn OdeProblem,
-        t: f64,
-        y: &mut [f64],
-    ) -> Result<(), SolveError> {
+    fn interpolate(&mut self, problem: &mut dyn OdeProblem, t: f64, y: &mut [f64]) -> Result<(), SolveError> {
         assert_eq!(y.len(), self.n, "state of another length than the method's");
         let slack = 1e-9 * (self.t - self.t_previous);
         assert!(

@@ -135,13 +135,7 @@ impl Locator {
         }
         let t_hit = self.narrow(stepper, problem, interval)?;
         let hits = (0..self.g.len()).filter(|&i| changed(self.g_a[i], self.g_b[i]));
-        self.waiting = hits
-            .map(|index| Hit {
-                t: t_hit,
-                index,
-                rising: self.g_a[index] < 0.0,
-            })
-            .collect();
+        self.waiting = hits.map(|index| Hit { t: t_hit, index, rising: self.g_a[index] < 0.0 }).collect();
         self.latest.clear();
         self.latest.extend(&self.waiting);
         self.g.copy_from_slice(&self.g_b);
@@ -158,21 +152,13 @@ impl Locator {
         t_end: f64,
         exact: bool,
     ) -> Result<([f64; 2], bool), SolveError> {
-        let leaving = if self.g.contains(&0.0) {
-            &LEAVING[..]
-        } else {
-            &[]
-        };
+        let leaving = if self.g.contains(&0.0) { &LEAVING[..] } else { &[] };
         let parts = f64::from(self.samples) + 1.0;
         let inside = (1..=self.samples).map(|i| f64::from(i) / parts);
         self.g_a.copy_from_slice(&self.g);
         let mut a = t;
         for fraction in leaving.iter().copied().chain(inside).chain([1.0]) {
-            let b = if fraction == 1.0 {
-                t_end
-            } else {
-                t + fraction * (t_end - t)
-            };
+            let b = if fraction == 1.0 { t_end } else { t + fraction * (t_end - t) };
             if b <= a {
                 continue;
             }
@@ -256,13 +242,7 @@ impl Locator {
 }
 
 /// Evaluates the event functions, checks and counts.
-fn eval(
-    problem: &mut dyn OdeProblem,
-    t: f64,
-    y: &[f64],
-    g: &mut [f64],
-    stats: &mut Stats,
-) -> Result<(), SolveError> {
+fn eval(problem: &mut dyn OdeProblem, t: f64, y: &[f64], g: &mut [f64], stats: &mut Stats) -> Result<(), SolveError> {
     stats.event_evaluations += 1;
     let function = Function::Events;
     match problem.events(t, y, g) {
@@ -273,10 +253,6 @@ fn eval(
     }
     match g.iter().position(|v| !v.is_finite()) {
         None => Ok(()),
-        Some(i) => Err(SolveError::NotFinite {
-            function,
-            t,
-            component: problem.event_name(i),
-        }),
+        Some(i) => Err(SolveError::NotFinite { function, t, component: problem.event_name(i) }),
     }
 }

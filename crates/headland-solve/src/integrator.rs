@@ -85,12 +85,7 @@ pub trait Integrator: Send {
     /// If the right-hand side cannot be evaluated.
     /// # Panics
     /// If the time is outside, by more than rounding.
-    fn interpolate(
-        &mut self,
-        problem: &mut dyn OdeProblem,
-        t: f64,
-        y: &mut [f64],
-    ) -> Result<(), SolveError>;
+    fn interpolate(&mut self, problem: &mut dyn OdeProblem, t: f64, y: &mut [f64]) -> Result<(), SolveError>;
 
     /// Changes the longest step, from the next step of the method on.
     ///

@@ -57,10 +57,7 @@ impl Method {
     /// [`SolveError::UnknownMethod`], with the names of this build.
     pub fn parse(name: &str) -> Result<Self, SolveError> {
         let found = Self::ALL.into_iter().find(|m| m.name() == name);
-        found.ok_or_else(|| SolveError::UnknownMethod {
-            name: name.to_owned(),
-            known: method_names().join(", "),
-        })
+        found.ok_or_else(|| SolveError::UnknownMethod { name: name.to_owned(), known: method_names().join(", ") })
     }
 
     /// An integrator for `n` components.
@@ -77,10 +74,7 @@ impl Method {
                 Ok(Box::new(Driver::new(cvode, options)))
             }
             #[cfg(not(feature = "cvode"))]
-            Self::CvodeBdf | Self::CvodeAdams => Err(SolveError::NotBuilt {
-                method: self.name(),
-                feature: "cvode",
-            }),
+            Self::CvodeBdf | Self::CvodeAdams => Err(SolveError::NotBuilt { method: self.name(), feature: "cvode" }),
         }
     }
 }
@@ -110,9 +104,6 @@ mod tests {
     fn a_method_left_out_says_which_feature_brings_it() {
         let made = Method::CvodeBdf.create(1, Options::new(1e-6, vec![1e-6]));
         let message = made.err().unwrap().to_string();
-        assert_eq!(
-            message,
-            "method cvode-bdf is not in this build; it needs the feature `cvode`"
-        );
+        assert_eq!(message, "method cvode-bdf is not in this build; it needs the feature `cvode`");
     }
 }

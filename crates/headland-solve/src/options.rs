@@ -57,11 +57,7 @@ impl Options {
     /// [`SolveError::InvalidOption`], which says what would be right.
     pub fn check(&self, n: usize) -> Result<(), SolveError> {
         let wrong = |option: &str, value: String, expected: String| {
-            Err(SolveError::InvalidOption {
-                option: option.to_owned(),
-                value,
-                expected,
-            })
+            Err(SolveError::InvalidOption { option: option.to_owned(), value, expected })
         };
         let positive = |x: f64| x > 0.0 && x.is_finite();
         if !(10.0 * f64::EPSILON..1.0).contains(&self.rtol) {

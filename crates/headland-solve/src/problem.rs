@@ -116,11 +116,7 @@ impl Pattern {
     pub fn new(rows: usize, cols: usize, col_ptr: Vec<usize>, row_idx: Vec<usize>) -> Self {
         assert_eq!(col_ptr.len(), cols + 1, "col_ptr needs cols + 1 entries");
         assert_eq!(col_ptr[0], 0, "col_ptr starts at 0");
-        assert_eq!(
-            col_ptr[cols],
-            row_idx.len(),
-            "col_ptr ends at row_idx.len()"
-        );
+        assert_eq!(col_ptr[cols], row_idx.len(), "col_ptr ends at row_idx.len()");
         for (j, ends) in col_ptr.windows(2).enumerate() {
             assert!(ends[0] <= ends[1], "col_ptr falls at column {j}");
             let column = &row_idx[ends[0]..ends[1]];
@@ -129,11 +125,7 @@ impl Pattern {
                 "rows of column {j} must be strictly ascending and below {rows}"
             );
         }
-        Self {
-            rows,
-            col_ptr,
-            row_idx,
-        }
+        Self { rows, col_ptr, row_idx }
     }
 
     /// From pairs `(row, column)` in any order; repeated pairs count once.
@@ -141,20 +133,13 @@ impl Pattern {
     /// # Panics
     /// If a pair lies outside the matrix.
     #[must_use]
-    pub fn from_entries(
-        rows: usize,
-        cols: usize,
-        entries: impl IntoIterator<Item = (usize, usize)>,
-    ) -> Self {
+    pub fn from_entries(rows: usize, cols: usize, entries: impl IntoIterator<Item = (usize, usize)>) -> Self {
         let mut pairs: Vec<(usize, usize)> = entries.into_iter().map(|(r, c)| (c, r)).collect();
         pairs.sort_unstable();
         pairs.dedup();
         let mut col_ptr = vec![0; cols + 1];
         for &(c, r) in &pairs {
-            assert!(
-                r < rows && c < cols,
-                "entry ({r}, {c}) is outside {rows} × {cols}"
-            );
+            assert!(r < rows && c < cols, "entry ({r}, {c}) is outside {rows} × {cols}");
             col_ptr[c + 1] += 1;
         }
         for j in 0..cols {
@@ -204,11 +189,8 @@ impl Pattern {
 
     /// The entries `(row, column)` in their order.
     pub fn entries(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        (0..self.cols()).flat_map(move |j| {
-            self.row_idx[self.col_ptr[j]..self.col_ptr[j + 1]]
-                .iter()
-                .map(move |&r| (r, j))
-        })
+        (0..self.cols())
+            .flat_map(move |j| self.row_idx[self.col_ptr[j]..self.col_ptr[j + 1]].iter().map(move |&r| (r, j)))
     }
 }
 

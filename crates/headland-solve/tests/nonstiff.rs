@@ -5,13 +5,7 @@ mod common;
 use common::{Problem, digits, run};
 use headland_solve::{Method, OdeProblem, Options, Stats};
 
-fn solve(
-    method: Method,
-    problem: &mut dyn OdeProblem,
-    y0: &[f64],
-    t_end: f64,
-    rtol: f64,
-) -> (Vec<f64>, Stats) {
+fn solve(method: Method, problem: &mut dyn OdeProblem, y0: &[f64], t_end: f64, rtol: f64) -> (Vec<f64>, Stats) {
     let options = Options::new(rtol, vec![rtol; y0.len()]);
     let mut integrator = method.create(y0.len(), options).unwrap();
     integrator.start(problem, 0.0, y0).unwrap();

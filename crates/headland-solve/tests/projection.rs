@@ -18,12 +18,7 @@ fn pendulum() -> Problem {
         let [x, y, u, v] = s.try_into().unwrap();
         let r2: f64 = x * x + y * y;
         let lambda = (u * u + v * v - G * y) / r2;
-        let d = [
-            -2.0 * lambda * x / r2,
-            (-G - 2.0 * lambda * y) / r2,
-            2.0 * u / r2,
-            2.0 * v / r2,
-        ];
+        let d = [-2.0 * lambda * x / r2, (-G - 2.0 * lambda * y) / r2, 2.0 * u / r2, 2.0 * v / r2];
         for c in 0..4 {
             j[4 * c] = f64::from(u8::from(c == 2));
             j[4 * c + 1] = f64::from(u8::from(c == 3));
@@ -47,12 +42,8 @@ fn with_projection() -> Problem {
 
 /// Largest errors of position and energy over 100 s from the horizontal.
 fn drift(method: Method, problem: &mut Problem, rtol: f64) -> (f64, f64, Stats) {
-    let mut integrator: Box<dyn Integrator> = method
-        .create(4, Options::new(rtol, vec![1e-2 * rtol; 4]))
-        .unwrap();
-    integrator
-        .start(problem, 0.0, &[1.0, 0.0, 0.0, 0.0])
-        .unwrap();
+    let mut integrator: Box<dyn Integrator> = method.create(4, Options::new(rtol, vec![1e-2 * rtol; 4])).unwrap();
+    integrator.start(problem, 0.0, &[1.0, 0.0, 0.0, 0.0]).unwrap();
     let (mut position, mut energy) = (0f64, 0f64);
     while integrator.t() < 100.0 {
         integrator.step(problem, 100.0).unwrap();
@@ -91,9 +82,7 @@ fn projection_keeps_the_explicit_method_on_the_circle() {
 #[cfg(feature = "cvode")]
 fn adams_says_that_it_cannot_project() {
     let mut integrator = Method::CvodeAdams.create(4, tolerance(4, 1e-6)).unwrap();
-    let error = integrator
-        .start(&mut with_projection(), 0.0, &[1.0, 0.0, 0.0, 0.0])
-        .unwrap_err();
+    let error = integrator.start(&mut with_projection(), 0.0, &[1.0, 0.0, 0.0, 0.0]).unwrap_err();
     let message = "method cvode-adams cannot project onto constraints; cvode-bdf and dop853 can";
     assert_eq!(error.to_string(), message);
 }
@@ -106,16 +95,11 @@ fn a_projection_that_fails_for_good_is_an_error() {
         };
         let mut problem = pendulum().projection(|_, _, _| Err(EvalFailure::Fatal));
         let mut integrator = method.create(4, tolerance(4, 1e-6)).unwrap();
-        integrator
-            .start(&mut problem, 0.0, &[1.0, 0.0, 0.0, 0.0])
-            .unwrap();
+        integrator.start(&mut problem, 0.0, &[1.0, 0.0, 0.0, 0.0]).unwrap();
         let error = run(&mut *integrator, &mut problem, 1.0).unwrap_err();
         assert!(matches!(error, SolveError::EvaluationFailed { .. }));
         let message = error.to_string();
-        assert!(
-            message.starts_with("projection onto the constraints could not be evaluated"),
-            "{message}"
-        );
+        assert!(message.starts_with("projection onto the constraints could not be evaluated"), "{message}");
         assert_eq!(integrator.y(), [1.0, 0.0, 0.0, 0.0]);
     }
 }

@@ -10,13 +10,7 @@ use common::{Eval, Problem, digits, run};
 use headland_solve::{EvalFailure, Method, OdeProblem, Options, Pattern, Stats};
 
 /// Runs a problem from 0 to `t_end`, with `atol = floor · rtol`.
-fn solve(
-    problem: &mut dyn OdeProblem,
-    y0: &[f64],
-    t_end: f64,
-    rtol: f64,
-    floor: &[f64],
-) -> (Vec<f64>, Stats) {
+fn solve(problem: &mut dyn OdeProblem, y0: &[f64], t_end: f64, rtol: f64, floor: &[f64]) -> (Vec<f64>, Stats) {
     let atol = floor.iter().map(|f| f * rtol).collect();
     let mut options = Options::new(rtol, atol);
     options.max_steps = 100_000;
@@ -27,14 +21,7 @@ fn solve(
 }
 
 /// Digits at two tolerances, each at least what is asked for, and the steps of the finer.
-fn check(
-    make: impl Fn() -> Problem,
-    y0: &[f64],
-    t_end: f64,
-    floor: f64,
-    reference: &[f64],
-    wanted: [(f64, f64); 2],
-) {
+fn check(make: impl Fn() -> Problem, y0: &[f64], t_end: f64, floor: f64, reference: &[f64], wanted: [(f64, f64); 2]) {
     let n = y0.len();
     for (rtol, least) in wanted {
         let mut problem = make();
@@ -61,11 +48,7 @@ fn robertson() {
             j.copy_from_slice(&[-0.04, 0.04, 0.0, c, -c - b, b, d, -d, 0.0]);
         })
     };
-    let reference = [
-        0.2083340149701255e-7,
-        0.8333360770334713e-13,
-        0.999999979166505,
-    ];
+    let reference = [0.2083340149701255e-7, 0.8333360770334713e-13, 0.999999979166505];
     // Components of 1e-8 and 1e-13 count to their own size.
     for (rtol, least) in [(1e-6, 3.5), (1e-8, 5.5)] {
         let floor = [1e-10, 1e-15, 1e-2];
@@ -95,14 +78,7 @@ fn van_der_pol() {
     };
     // Published in time scaled by 1000, where y2 is as many times smaller.
     let reference = [0.1706167732170469e1, -0.8928097010248125];
-    check(
-        make,
-        &[2.0, 0.0],
-        2.0,
-        1.0,
-        &reference,
-        [(1e-6, 4.5), (1e-9, 7.0)],
-    );
+    check(make, &[2.0, 0.0], 2.0, 1.0, &reference, [(1e-6, 4.5), (1e-9, 7.0)]);
 }
 
 #[test]
@@ -164,14 +140,7 @@ fn hires() {
         0.2849998395185769e-2,
         0.2850001604814231e-2,
     ];
-    check(
-        make,
-        &y0,
-        321.8122,
-        1e-4,
-        &reference,
-        [(1e-6, 3.5), (1e-9, 6.0)],
-    );
+    check(make, &y0, 321.8122, 1e-4, &reference, [(1e-6, 3.5), (1e-9, 6.0)]);
 }
 
 #[test]
@@ -197,19 +166,8 @@ fn oregonator() {
             j[8] = -W;
         })
     };
-    let reference = [
-        0.1000814870318523e1,
-        0.1228178521549917e4,
-        0.1320554942846706e3,
-    ];
-    check(
-        make,
-        &[1.0, 2.0, 3.0],
-        360.0,
-        1e-2,
-        &reference,
-        [(1e-6, 3.0), (1e-9, 5.5)],
-    );
+    let reference = [0.1000814870318523e1, 0.1228178521549917e4, 0.1320554942846706e3];
+    check(make, &[1.0, 2.0, 3.0], 360.0, 1e-2, &reference, [(1e-6, 3.0), (1e-9, 5.5)]);
 }
 
 /// The transistor amplifier `C ẏ = f(t, y)`, index 1, as an ODE of the five voltages under a
@@ -234,10 +192,7 @@ impl Amplifier {
     const ALPHA: f64 = 0.99;
 
     fn new() -> Self {
-        Self {
-            pattern: Pattern::dense(5, 5),
-            z: [3.0, 3.0, 0.0],
-        }
+        Self { pattern: Pattern::dense(5, 5), z: [3.0, 3.0, 0.0] }
     }
 
     /// `g(v) = β (e^{v / U_F} − 1)` and its derivative.
@@ -249,16 +204,7 @@ impl Amplifier {
     }
 
     fn voltages(x: &[f64], z: &[f64; 3]) -> [f64; 8] {
-        [
-            x[0] + z[0],
-            z[0],
-            x[1],
-            x[2] + z[1],
-            z[1],
-            x[3],
-            x[4] + z[2],
-            z[2],
-        ]
+        [x[0] + z[0], z[0], x[1], x[2] + z[1], z[1], x[3], x[4] + z[2], z[2]]
     }
 
     /// `f(t, y)` and `∂f/∂y`.

@@ -36,10 +36,7 @@ fn error_follows_the_tolerance(make: Factory) {
         let y = integrator.y();
         let error = (y[0] - 5f64.cos()).abs().max((y[1] + 5f64.sin()).abs());
         assert!(error < 200.0 * rtol, "rtol {rtol:e}: {error:e}");
-        assert!(
-            error < 0.3 * last,
-            "rtol {rtol:e}: {error:e} after {last:e}"
-        );
+        assert!(error < 0.3 * last, "rtol {rtol:e}: {error:e} after {last:e}");
         last = error;
     }
 }
@@ -80,9 +77,7 @@ fn stops_are_exact_and_nothing_is_evaluated_beyond(make: Factory) {
             assert!(problem.t_latest <= stop, "{} > {stop}", problem.t_latest);
             let mut y = [0.0; 2];
             let middle = 0.5 * (a + b);
-            integrator
-                .interpolate(&mut problem, middle, &mut y)
-                .unwrap();
+            integrator.interpolate(&mut problem, middle, &mut y).unwrap();
             assert!(problem.t_latest <= stop);
             reached = b;
             match step {
@@ -108,10 +103,7 @@ fn a_stop_within_rounding_is_reached_at_once(make: Factory) {
     integrator.start(&mut problem, 1.0, &[1.0, 0.0]).unwrap();
     let near = 1.0 + f64::EPSILON;
     assert_eq!(integrator.step(&mut problem, 1.0), Ok(Step::End { t: 1.0 }));
-    assert_eq!(
-        integrator.step(&mut problem, near),
-        Ok(Step::End { t: near })
-    );
+    assert_eq!(integrator.step(&mut problem, near), Ok(Step::End { t: near }));
     assert_eq!(integrator.y(), [1.0, 0.0]);
     assert_eq!(integrator.stats().steps, 0);
     // A few dozen roundings are a step.
@@ -230,12 +222,7 @@ fn none_of_many_events_is_lost(make: Factory) {
     for i in 0..count {
         let (w, p) = wave(i);
         let times = (1..).map(|k| (std::f64::consts::PI * f64::from(k) - p) / w);
-        expected.extend(
-            times
-                .take_while(|&t| t < t_end)
-                .filter(|&t| t > 0.0)
-                .map(|t| (t, i)),
-        );
+        expected.extend(times.take_while(|&t| t < t_end).filter(|&t| t > 0.0).map(|t| (t, i)));
     }
     expected.sort_by(|a, b| a.0.total_cmp(&b.0));
     assert_eq!(events.len(), expected.len());
@@ -246,8 +233,7 @@ fn none_of_many_events_is_lost(make: Factory) {
 }
 
 fn a_bump_within_one_step_is_seen(make: Factory) {
-    let mut problem =
-        Problem::new(1, |_, _, dy| dy[0] = 1.0).events(1, |t, _, g| g[0] = (t - 0.3) * (t - 0.6));
+    let mut problem = Problem::new(1, |_, _, dy| dy[0] = 1.0).events(1, |t, _, g| g[0] = (t - 0.3) * (t - 0.6));
     let mut options = tolerance(1, 1e-6);
     options.h_first = Some(1.0);
     let mut integrator = make(1, options);
@@ -328,11 +314,7 @@ fn a_step_out_of_the_domain_is_tried_again_smaller(make: Factory) {
         let mut problem = Problem::fallible(1, move |_, y, dy| {
             if y[0] < 0.0 {
                 dy[0] = f64::NAN;
-                return if nan {
-                    Ok(())
-                } else {
-                    Err(EvalFailure::Recoverable)
-                };
+                return if nan { Ok(()) } else { Err(EvalFailure::Recoverable) };
             }
             dy[0] = -10.0 * y[0];
             Ok(())
@@ -355,12 +337,7 @@ fn a_wall_of_nan_is_an_error_with_the_last_good_state(make: Factory) {
     let mut integrator = make(2, tolerance(2, 1e-6));
     integrator.start(&mut problem, 0.0, &[0.0, 0.0]).unwrap();
     let error = run(&mut *integrator, &mut problem, 1.0).unwrap_err();
-    let SolveError::NotFinite {
-        function: Function::Rhs,
-        t,
-        component,
-    } = &error
-    else {
+    let SolveError::NotFinite { function: Function::Rhs, t, component } = &error else {
         panic!("{error}");
     };
     assert!(*t > 0.5 && *t < 0.50001, "{t}");
@@ -393,11 +370,7 @@ fn nan_at_the_start_is_an_error(make: Factory) {
 fn a_fatal_failure_ends_the_run(make: Factory) {
     let mut problem = Problem::fallible(1, |t, _, dy| {
         dy[0] = 1.0;
-        if t > 0.25 {
-            Err(EvalFailure::Fatal)
-        } else {
-            Ok(())
-        }
+        if t > 0.25 { Err(EvalFailure::Fatal) } else { Ok(()) }
     });
     let mut integrator = make(1, tolerance(1, 1e-6));
     integrator.start(&mut problem, 0.0, &[0.0]).unwrap();
@@ -420,10 +393,7 @@ fn an_event_function_that_is_nan_is_named(make: Factory) {
     integrator.start(&mut problem, 0.0, &[1.0, 0.0]).unwrap();
     let error = run(&mut *integrator, &mut problem, 1.0).unwrap_err();
     let message = error.to_string();
-    assert!(
-        message.starts_with("event functions at t = 0."),
-        "{message}"
-    );
+    assert!(message.starts_with("event functions at t = 0."), "{message}");
     assert!(message.ends_with("`event[1]`"), "{message}");
 }
 
@@ -490,9 +460,7 @@ fn statistics_agree_with_the_calls(make: Factory) {
     let mut pieces = 0;
     for restart in 0..3 {
         let t = f64::from(restart);
-        integrator
-            .start(&mut problem, t, &[t.cos(), -t.sin()])
-            .unwrap();
+        integrator.start(&mut problem, t, &[t.cos(), -t.sin()]).unwrap();
         loop {
             match integrator.step(&mut problem, t + 1.0).unwrap() {
                 Step::Event { .. } => {}
@@ -553,9 +521,7 @@ fn tight_tolerances_work(make: Factory) {
 
 fn an_integrator_can_move_to_another_thread(make: Factory) {
     let mut integrator = make(2, tolerance(2, 1e-7));
-    integrator
-        .start(&mut oscillator(), 0.0, &[1.0, 0.0])
-        .unwrap();
+    integrator.start(&mut oscillator(), 0.0, &[1.0, 0.0]).unwrap();
     let integrator = std::thread::spawn(move || {
         run(&mut *integrator, &mut oscillator(), 1.0).unwrap();
         integrator
@@ -633,31 +599,13 @@ fn invalid_options_name_the_field_the_value_and_what_would_do() {
         made.err().unwrap().to_string()
     };
     let cases: [(Change, &str); 7] = [
-        (
-            |o| o.rtol = 1e-16,
-            "option rtol is 1e-16; expected from 2.3e-15 to below 1",
-        ),
-        (
-            |o| o.rtol = f64::NAN,
-            "option rtol is NaN; expected from 2.3e-15 to below 1",
-        ),
-        (
-            |o| o.atol.truncate(1),
-            "option atol is 1 values; expected one for each of 2 components",
-        ),
-        (
-            |o| o.atol[1] = 0.0,
-            "option atol[1] is 0e0; expected positive, finite",
-        ),
-        (
-            |o| o.h_first = Some(-1.0),
-            "option h_first is -1e0; expected positive, finite",
-        ),
+        (|o| o.rtol = 1e-16, "option rtol is 1e-16; expected from 2.3e-15 to below 1"),
+        (|o| o.rtol = f64::NAN, "option rtol is NaN; expected from 2.3e-15 to below 1"),
+        (|o| o.atol.truncate(1), "option atol is 1 values; expected one for each of 2 components"),
+        (|o| o.atol[1] = 0.0, "option atol[1] is 0e0; expected positive, finite"),
+        (|o| o.h_first = Some(-1.0), "option h_first is -1e0; expected positive, finite"),
         (|o| o.h_max = 0.0, "option h_max is 0e0; expected positive"),
-        (
-            |o| o.h_max = f64::NAN,
-            "option h_max is NaN; expected positive",
-        ),
+        (|o| o.h_max = f64::NAN, "option h_max is NaN; expected positive"),
     ];
     for (change, message) in cases {
         assert_eq!(create(change), message);
@@ -706,10 +654,7 @@ fn failures_print_nothing() {
             assert_eq!(String::from_utf8(output.stderr).unwrap(), "");
             let stdout = String::from_utf8(output.stdout).unwrap();
             assert!(stdout.contains("1 passed"), "{stdout}");
-            assert!(
-                !stdout.contains("CVODE") && !stdout.contains(".c:"),
-                "{stdout}"
-            );
+            assert!(!stdout.contains("CVODE") && !stdout.contains(".c:"), "{stdout}");
         }
     }
 }

@@ -47,18 +47,12 @@ impl Writer<'_> {
 
     /// The node, unless it is written by name.
     fn open(&self, id: NodeId, depth: u32) -> Option<Node> {
-        if self.name(id, depth).is_some() {
-            None
-        } else {
-            Some(self.graph.node(id))
-        }
+        if self.name(id, depth).is_some() { None } else { Some(self.graph.node(id)) }
     }
 
     /// `(a, b)` of `−(a − b)`, which is written `b − a`.
     fn mirrored(&self, node: Node) -> Option<(NodeId, NodeId)> {
-        let inner = self
-            .open(Self::operand(node, 0), 1)
-            .filter(|n| node.op == Op::Neg && n.op == Op::Sub)?;
+        let inner = self.open(Self::operand(node, 0), 1).filter(|n| node.op == Op::Neg && n.op == Op::Sub)?;
         let (a, b) = (Self::operand(inner, 0), Self::operand(inner, 1));
         (!self.negative(b, 1)).then_some((a, b))
     }
@@ -100,11 +94,7 @@ impl Writer<'_> {
                 Op::Neg if self.mirrored(node).is_none() => flipped = !flipped,
                 Op::Div => {}
                 Op::Mul => {
-                    let signs = self
-                        .factors(id, depth)
-                        .into_iter()
-                        .filter(|&f| self.negative_factor(f))
-                        .count();
+                    let signs = self.factors(id, depth).into_iter().filter(|&f| self.negative_factor(f)).count();
                     return flipped ^ (signs % 2 == 1);
                 }
                 _ => return flipped,
@@ -122,10 +112,7 @@ impl Writer<'_> {
     fn negative_factor(&self, id: NodeId) -> bool {
         self.open(id, 1).is_some_and(|node| match node.op {
             Op::Const => self.constant(id) < 0.0,
-            Op::Div => self
-                .graph
-                .constant_value(Self::operand(node, 0))
-                .is_some_and(|x| x < 0.0),
+            Op::Div => self.graph.constant_value(Self::operand(node, 0)).is_some_and(|x| x < 0.0),
             _ => false,
         })
     }
@@ -158,8 +145,7 @@ impl Writer<'_> {
     /// The row of an operator that LaTeX writes as a name with an argument behind.
     fn bare_call(&self, node: Node) -> Option<&'static OpInfo> {
         let row = node.op.info()?;
-        (row.form == Form::Call && !matches!(node.op, Op::Sqrt | Op::Abs | Op::Select))
-            .then_some(row)
+        (row.form == Form::Call && !matches!(node.op, Op::Sqrt | Op::Abs | Op::Select)).then_some(row)
     }
 
     /// `\sin^{n}`: the function's row and node.
@@ -168,9 +154,7 @@ impl Writer<'_> {
             return None;
         }
         let base = self.open(Self::operand(node, 0), 1)?;
-        self.bare_call(base)
-            .filter(|row| POWER_ON_NAME.contains(&row.latex))
-            .map(|row| (row, base))
+        self.bare_call(base).filter(|row| POWER_ON_NAME.contains(&row.latex)).map(|row| (row, base))
     }
 
     /// Terms of a sum with their signs (true: subtracted), a positive one first if there is one.
@@ -178,9 +162,7 @@ impl Writer<'_> {
         let mut terms = Vec::new();
         let mut stack = vec![(id, depth, false)];
         while let Some((id, depth, subtracted)) = stack.pop() {
-            let node = self
-                .open(id, depth)
-                .filter(|_| !subtracted && terms.len() + stack.len() < GATHERED);
+            let node = self.open(id, depth).filter(|_| !subtracted && terms.len() + stack.len() < GATHERED);
             match node {
                 Some(node) if node.op == Op::Add => {
                     stack.push((Self::operand(node, 1), 1, false));
@@ -207,14 +189,7 @@ impl Writer<'_> {
         terms
     }
 
-    pub(super) fn expand_algebra(
-        &self,
-        id: NodeId,
-        level: u8,
-        unsigned: bool,
-        depth: u32,
-        out: &mut Vec<Task>,
-    ) {
+    pub(super) fn expand_algebra(&self, id: NodeId, level: u8, unsigned: bool, depth: u32, out: &mut Vec<Task>) {
         if let Some(name) = self.name(id, depth) {
             return out.push(Task::owned(name.to_string()));
         }
@@ -240,12 +215,7 @@ impl Writer<'_> {
     /// A node without its sign.
     fn body(&self, id: NodeId, level: u8, depth: u32, out: &mut Vec<Task>) {
         let node = self.graph.node(id);
-        let sub = |id: NodeId, level: u8, unsigned: bool| Task::Node {
-            id,
-            level,
-            unsigned,
-            depth: depth + 1,
-        };
+        let sub = |id: NodeId, level: u8, unsigned: bool| Task::Node { id, level, unsigned, depth: depth + 1 };
         let (a, b) = (Self::operand(node, 0), Self::operand(node, 1));
         match node.op {
             Op::Const => out.push(Task::owned(self.number(self.constant(id)))),
@@ -260,20 +230,11 @@ impl Writer<'_> {
             Op::Div => {
                 let unsigned = self.level(a, 1) >= PRODUCT && self.negative(a, 1);
                 if self.latex() {
-                    let parts = [
-                        Task::text("\\frac{"),
-                        sub(a, 0, unsigned),
-                        Task::text("}{"),
-                        sub(b, 0, false),
-                    ];
+                    let parts = [Task::text("\\frac{"), sub(a, 0, unsigned), Task::text("}{"), sub(b, 0, false)];
                     out.extend(parts);
                     out.push(Task::text("}"));
                 } else {
-                    out.extend([
-                        sub(a, PRODUCT, unsigned),
-                        Task::text("/"),
-                        sub(b, PREFIX, false),
-                    ]);
+                    out.extend([sub(a, PRODUCT, unsigned), Task::text("/"), sub(b, PREFIX, false)]);
                 }
             }
             Op::Powi | Op::Pow => self.power(node, depth, out),
@@ -284,14 +245,8 @@ impl Writer<'_> {
                 self.arguments(&[a], depth, out);
             }
             Op::Select => self.select(node, depth, out),
-            Op::Sqrt if self.latex() => {
-                out.extend([Task::text("\\sqrt{"), sub(a, 0, false), Task::text("}")])
-            }
-            Op::Abs if self.latex() => out.extend([
-                Task::text("\\left|"),
-                sub(a, 0, false),
-                Task::text("\\right|"),
-            ]),
+            Op::Sqrt if self.latex() => out.extend([Task::text("\\sqrt{"), sub(a, 0, false), Task::text("}")]),
+            Op::Abs if self.latex() => out.extend([Task::text("\\left|"), sub(a, 0, false), Task::text("\\right|")]),
             op => {
                 let row = op.info().expect("specials are above");
                 out.push(Task::text(if self.latex() { row.latex } else { row.name }));
@@ -314,12 +269,7 @@ impl Writer<'_> {
                 (_, true) => " - ",
             }));
             let unsigned = self.level(term, 1) >= PRODUCT && self.negative(term, 1);
-            out.push(Task::Node {
-                id: term,
-                level: PRODUCT,
-                unsigned,
-                depth: depth + 1,
-            });
+            out.push(Task::Node { id: term, level: PRODUCT, unsigned, depth: depth + 1 });
         }
     }
 
@@ -334,61 +284,28 @@ impl Writer<'_> {
                 }));
             }
             let unsigned = self.negative_factor(factor);
-            let level = if !unsigned && self.negative(factor, 1) {
-                PREFIX
-            } else {
-                PRODUCT
-            };
-            out.push(Task::Node {
-                id: factor,
-                level,
-                unsigned,
-                depth: depth + 1,
-            });
+            let level = if !unsigned && self.negative(factor, 1) { PREFIX } else { PRODUCT };
+            out.push(Task::Node { id: factor, level, unsigned, depth: depth + 1 });
         }
     }
 
     fn power(&self, node: Node, depth: u32, out: &mut Vec<Task>) {
         let (a, b) = (Self::operand(node, 0), Self::operand(node, 1));
         if let Some((row, base)) = self.power_on_name(node) {
-            out.push(Task::owned(format!(
-                "{}^{{{}}}",
-                row.latex,
-                node.exponent()
-            )));
+            out.push(Task::owned(format!("{}^{{{}}}", row.latex, node.exponent())));
             return self.bare_argument(Self::operand(base, 0), depth, out);
         }
-        out.push(Task::Node {
-            id: a,
-            level: ATOM,
-            unsigned: false,
-            depth: depth + 1,
-        });
+        out.push(Task::Node { id: a, level: ATOM, unsigned: false, depth: depth + 1 });
         match (node.op, self.latex()) {
             (Op::Powi, true) => out.push(Task::owned(format!("^{{{}}}", node.exponent()))),
-            (Op::Powi, false) if node.exponent() < 0 => {
-                out.push(Task::owned(format!("^({})", node.exponent())))
-            }
+            (Op::Powi, false) if node.exponent() < 0 => out.push(Task::owned(format!("^({})", node.exponent()))),
             (Op::Powi, false) => out.push(Task::owned(format!("^{}", node.exponent()))),
             (_, true) => {
-                let exponent = Task::Node {
-                    id: b,
-                    level: 0,
-                    unsigned: false,
-                    depth: depth + 1,
-                };
+                let exponent = Task::Node { id: b, level: 0, unsigned: false, depth: depth + 1 };
                 out.extend([Task::text("^{"), exponent, Task::text("}")]);
             }
             (_, false) => {
-                out.extend([
-                    Task::text("^"),
-                    Task::Node {
-                        id: b,
-                        level: ATOM,
-                        unsigned: false,
-                        depth: depth + 1,
-                    },
-                ]);
+                out.extend([Task::text("^"), Task::Node { id: b, level: ATOM, unsigned: false, depth: depth + 1 }]);
             }
         }
     }
@@ -413,23 +330,13 @@ impl Writer<'_> {
             if i > 0 {
                 out.push(Task::text(", "));
             }
-            out.push(Task::Node {
-                id,
-                level: 0,
-                unsigned: false,
-                depth: depth + 1,
-            });
+            out.push(Task::Node { id, level: 0, unsigned: false, depth: depth + 1 });
         }
         out.push(Task::text(if self.latex() { "\\right)" } else { ")" }));
     }
 
     fn select(&self, node: Node, depth: u32, out: &mut Vec<Task>) {
-        let sub = |k: usize| Task::Node {
-            id: Self::operand(node, k),
-            level: 0,
-            unsigned: false,
-            depth: depth + 1,
-        };
+        let sub = |k: usize| Task::Node { id: Self::operand(node, k), level: 0, unsigned: false, depth: depth + 1 };
         if !self.latex() {
             return out.extend([
                 Task::text("if("),
@@ -441,27 +348,15 @@ impl Writer<'_> {
                 Task::text(")"),
             ]);
         }
-        out.extend([
-            Task::text("\\begin{cases} "),
-            sub(1),
-            Task::text(" & \\text{if } "),
-        ]);
+        out.extend([Task::text("\\begin{cases} "), sub(1), Task::text(" & \\text{if } ")]);
         match self.open(Self::operand(node, 0), 1) {
             Some(cond) if cond.op == Op::Sub => {
-                let side = |k: usize| Task::Node {
-                    id: Self::operand(cond, k),
-                    level: 0,
-                    unsigned: false,
-                    depth: depth + 2,
-                };
+                let side =
+                    |k: usize| Task::Node { id: Self::operand(cond, k), level: 0, unsigned: false, depth: depth + 2 };
                 out.extend([side(0), Task::text(" \\ge "), side(1)]);
             }
             _ => out.extend([sub(0), Task::text(" \\ge 0")]),
         }
-        out.extend([
-            Task::text(" \\\\ "),
-            sub(2),
-            Task::text(" & \\text{otherwise} \\end{cases}"),
-        ]);
+        out.extend([Task::text(" \\\\ "), sub(2), Task::text(" & \\text{otherwise} \\end{cases}")]);
     }
 }

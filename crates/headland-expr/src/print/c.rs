@@ -65,17 +65,8 @@ impl Writer<'_> {
         }
         let node = self.graph.node(id);
         match node.op {
-            Op::Const
-                if self
-                    .graph
-                    .constant_value(id)
-                    .is_some_and(f64::is_sign_negative) =>
-            {
-                PREFIX
-            }
-            Op::Powi if node.exponent() < 0 || node.exponent().unsigned_abs() <= WRITTEN_OUT => {
-                PRODUCT
-            }
+            Op::Const if self.graph.constant_value(id).is_some_and(f64::is_sign_negative) => PREFIX,
+            Op::Powi if node.exponent() < 0 || node.exponent().unsigned_abs() <= WRITTEN_OUT => PRODUCT,
             op => match op.info().map(|row| row.form) {
                 Some(Form::Infix(strength)) => strength,
                 _ => ATOM,
@@ -100,20 +91,11 @@ impl Writer<'_> {
     fn body_c(&self, id: NodeId, depth: u32, out: &mut Vec<Task>) {
         let node = self.graph.node(id);
         let operands: Vec<NodeId> = node.operands().collect();
-        let sub = |k: usize, level: u8| Task::Node {
-            id: operands[k],
-            level,
-            unsigned: false,
-            depth: depth + 1,
-        };
+        let sub = |k: usize, level: u8| Task::Node { id: operands[k], level, unsigned: false, depth: depth + 1 };
         match (node.op, node.op.info()) {
             (Op::Const, _) => {
                 let x = self.graph.constant_value(id).unwrap_or(f64::NAN);
-                let sign = if x.is_sign_negative() && !x.is_nan() {
-                    "-"
-                } else {
-                    ""
-                };
+                let sign = if x.is_sign_negative() && !x.is_nan() { "-" } else { "" };
                 out.push(Task::owned(format!("{sign}{}", self.number(x))));
             }
             (Op::Input, _) => out.push(Task::owned(self.input_name(node.args[0] as usize))),
@@ -122,21 +104,13 @@ impl Writer<'_> {
                 let (table, order) = (node.args[1], node.args[2]);
                 let n = self.graph.spline(table).knots().len();
                 let name = table_name(table);
-                out.push(Task::owned(format!(
-                    "headland_spline({name}_x, {name}_c, {n}, "
-                )));
+                out.push(Task::owned(format!("headland_spline({name}_x, {name}_c, {n}, ")));
                 out.extend([sub(0, 0), Task::owned(format!(", {order})"))]);
             }
             (_, Some(row)) => match row.form {
-                Form::Infix(s) if operands.len() == 1 => {
-                    out.extend([Task::text(row.c), sub(0, s + 1)])
-                }
+                Form::Infix(s) if operands.len() == 1 => out.extend([Task::text(row.c), sub(0, s + 1)]),
                 Form::Infix(s) if s == super::SUM => {
-                    out.extend([
-                        sub(0, s),
-                        Task::owned(format!(" {} ", row.c)),
-                        sub(1, s + 1),
-                    ]);
+                    out.extend([sub(0, s), Task::owned(format!(" {} ", row.c)), sub(1, s + 1)]);
                 }
                 Form::Infix(s) => out.extend([sub(0, s), Task::text(row.c), sub(1, s + 1)]),
                 _ => {
@@ -153,19 +127,10 @@ impl Writer<'_> {
 
     /// The multiplications of `<f64 as Scalar>::powi`, in its order.
     fn powi_c(&self, base: NodeId, n: i32, depth: u32, out: &mut Vec<Task>) {
-        let operand = |level: u8| Task::Node {
-            id: base,
-            level,
-            unsigned: false,
-            depth: depth + 1,
-        };
+        let operand = |level: u8| Task::Node { id: base, level, unsigned: false, depth: depth + 1 };
         let m = n.unsigned_abs();
         if n < 0 {
-            out.push(Task::text(if m == 1 || m > WRITTEN_OUT {
-                "1.0/"
-            } else {
-                "1.0/("
-            }));
+            out.push(Task::text(if m == 1 || m > WRITTEN_OUT { "1.0/" } else { "1.0/(" }));
         }
         let star = || Task::text("*");
         match m {
@@ -182,24 +147,12 @@ impl Writer<'_> {
                 ]);
             }
             4 => {
-                let square = || {
-                    [
-                        Task::text("("),
-                        operand(PREFIX),
-                        star(),
-                        operand(PREFIX),
-                        Task::text(")"),
-                    ]
-                };
+                let square = || [Task::text("("), operand(PREFIX), star(), operand(PREFIX), Task::text(")")];
                 out.extend(square());
                 out.push(star());
                 out.extend(square());
             }
-            _ => out.extend([
-                Task::text("headland_powi("),
-                operand(0),
-                Task::owned(format!(", {m}u)")),
-            ]),
+            _ => out.extend([Task::text("headland_powi("), operand(0), Task::owned(format!(", {m}u)"))]),
         }
         if n < 0 && m > 1 && m <= WRITTEN_OUT {
             out.push(Task::text(")"));
@@ -214,13 +167,8 @@ fn table_name(index: u32) -> String {
 /// The tables that the given nodes need, as static arrays.
 pub fn c_tables(graph: &Graph, roots: &[NodeId]) -> String {
     let needed = graph.needed(roots);
-    let nodes = (0..needed.len())
-        .filter(|&i| needed[i])
-        .map(|i| graph.node(NodeId(i as u32)));
-    let mut tables: Vec<u32> = nodes
-        .filter(|n| n.op == Op::Spline)
-        .map(|n| n.args[1])
-        .collect();
+    let nodes = (0..needed.len()).filter(|&i| needed[i]).map(|i| graph.node(NodeId(i as u32)));
+    let mut tables: Vec<u32> = nodes.filter(|n| n.op == Op::Spline).map(|n| n.args[1]).collect();
     tables.sort_unstable();
     tables.dedup();
     let mut text = String::new();
@@ -228,21 +176,10 @@ pub fn c_tables(graph: &Graph, roots: &[NodeId]) -> String {
         let (table, name) = (graph.spline(index), table_name(index));
         let n = table.knots().len();
         let knots: Vec<String> = table.knots().iter().map(|x| format!("{x:?}")).collect();
-        let rows = table
-            .coefficients()
-            .iter()
-            .map(|[a, b, c, d]| format!("    {{{a:?}, {b:?}, {c:?}, {d:?}}}"));
+        let rows = table.coefficients().iter().map(|[a, b, c, d]| format!("    {{{a:?}, {b:?}, {c:?}, {d:?}}}"));
         let rows: Vec<String> = rows.collect();
-        let _ = writeln!(
-            text,
-            "static const double {name}_x[{n}] = {{{}}};",
-            knots.join(", ")
-        );
-        let _ = writeln!(
-            text,
-            "static const double {name}_c[{n}][4] = {{\n{}\n}};",
-            rows.join(",\n")
-        );
+        let _ = writeln!(text, "static const double {name}_x[{n}] = {{{}}};", knots.join(", "));
+        let _ = writeln!(text, "static const double {name}_c[{n}][4] = {{\n{}\n}};", rows.join(",\n"));
     }
     text
 }
@@ -250,19 +187,9 @@ pub fn c_tables(graph: &Graph, roots: &[NodeId]) -> String {
 /// The function `void NAME(const double *x, double *y)`: `y[k]` is root `k`, `x[i]` input `i` of the graph.
 ///
 /// It needs [`C_PRELUDE`] and [`c_tables`] before it; nodes in `named` keep their names as variables.
-pub fn c_function(
-    graph: &Graph,
-    name: &str,
-    roots: &[NodeId],
-    named: &[(NodeId, String)],
-) -> String {
+pub fn c_function(graph: &Graph, name: &str, roots: &[NodeId], named: &[(NodeId, String)]) -> String {
     let plan = Plan::new(graph, Style::C, roots, named, &ListingOptions::of(Style::C));
-    let writer = Writer {
-        graph,
-        style: Style::C,
-        names: &plan.names,
-        limits: UNLIMITED,
-    };
+    let writer = Writer { graph, style: Style::C, names: &plan.names, limits: UNLIMITED };
     let mut text = format!("void {name}(const double *x, double *y)\n{{\n");
     let mut inputs: Vec<(u32, &String)> = plan
         .names
@@ -278,12 +205,7 @@ pub fn c_function(
         let _ = writeln!(text, "    const double {input} = x[{index}];");
     }
     for id in &plan.steps {
-        let _ = writeln!(
-            text,
-            "    const double {} = {};",
-            plan.names[id],
-            writer.write(*id)
-        );
+        let _ = writeln!(text, "    const double {} = {};", plan.names[id], writer.write(*id));
     }
     for (k, id) in roots.iter().enumerate() {
         let _ = writeln!(text, "    y[{k}] = {};", plan.root(&writer, *id));
@@ -306,9 +228,5 @@ pub fn c_function(
 /// assert!(text.contains("const double theta_1 = x[0];"));
 /// ```
 pub fn c_file(graph: &Graph, name: &str, roots: &[NodeId], named: &[(NodeId, String)]) -> String {
-    format!(
-        "{C_PRELUDE}\n{}\n{}",
-        c_tables(graph, roots),
-        c_function(graph, name, roots, named)
-    )
+    format!("{C_PRELUDE}\n{}\n{}", c_tables(graph, roots), c_function(graph, name, roots, named))
 }

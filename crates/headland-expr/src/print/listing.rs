@@ -16,9 +16,7 @@ pub struct Listing {
 
 impl std::fmt::Display for Listing {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        self.lines
-            .iter()
-            .try_for_each(|(name, expression)| writeln!(f, "{name} = {expression}"))
+        self.lines.iter().try_for_each(|(name, expression)| writeln!(f, "{name} = {expression}"))
     }
 }
 
@@ -35,14 +33,8 @@ impl ListingOptions {
     /// What reads well in the given style; C names every shared operation.
     pub fn of(style: Style) -> Self {
         match style {
-            Style::Text | Style::Latex => Self {
-                shared: 3,
-                longest: 60,
-            },
-            Style::C => Self {
-                shared: 1,
-                longest: 40,
-            },
+            Style::Text | Style::Latex => Self { shared: 3, longest: 60 },
+            Style::C => Self { shared: 1, longest: 40 },
         }
     }
 }
@@ -66,23 +58,11 @@ pub fn listing(
     all.extend(roots.iter().map(|(name, id)| (*id, name.clone())));
     let mut plan = Plan::new(graph, style, &ids, &all, options);
     let mut taken = std::mem::take(&mut plan.taken);
-    let writer = Writer {
-        graph,
-        style,
-        names: &plan.names,
-        limits: UNLIMITED,
-    };
-    let mut lines: Vec<_> = plan
-        .steps
-        .iter()
-        .map(|id| (plan.names[id].clone(), writer.write(*id)))
-        .collect();
+    let writer = Writer { graph, style, names: &plan.names, limits: UNLIMITED };
+    let mut lines: Vec<_> = plan.steps.iter().map(|id| (plan.names[id].clone(), writer.write(*id))).collect();
     let mut printed: FxHashSet<NodeId> = plan.steps.iter().copied().collect();
     for (name, id) in roots {
-        let first = all
-            .iter()
-            .find(|(known, _)| known == id)
-            .is_some_and(|(_, first)| first == name);
+        let first = all.iter().find(|(known, _)| known == id).is_some_and(|(_, first)| first == name);
         let is_operation = graph.node(*id).op.arity() > 0;
         if first && is_operation {
             if printed.insert(*id) {
@@ -91,11 +71,7 @@ pub fn listing(
         } else if is_operation && !printed.contains(id) {
             lines.push((taken.take(style, name), writer.write(*id)));
         } else {
-            let value = plan
-                .names
-                .get(id)
-                .cloned()
-                .unwrap_or_else(|| writer.write(*id));
+            let value = plan.names.get(id).cloned().unwrap_or_else(|| writer.write(*id));
             lines.push((taken.take(style, name), value));
         }
     }
@@ -125,10 +101,7 @@ impl Plan {
         for i in (0..needed.len()).filter(|&i| needed[i]) {
             let node = graph.node(NodeId(i as u32));
             if node.op == Op::Input {
-                names.insert(
-                    NodeId(i as u32),
-                    taken.take(style, &graph.input_name(node.args[0] as usize)),
-                );
+                names.insert(NodeId(i as u32), taken.take(style, &graph.input_name(node.args[0] as usize)));
             }
         }
         let mut is_named = vec![false; needed.len()];
@@ -171,15 +144,8 @@ impl Plan {
             names.insert(NodeId(i as u32), temporary(count));
             is_step[i] = true;
         }
-        let steps = (0..needed.len())
-            .filter(|&i| is_step[i])
-            .map(|i| NodeId(i as u32))
-            .collect();
-        Self {
-            names,
-            steps,
-            taken,
-        }
+        let steps = (0..needed.len()).filter(|&i| is_step[i]).map(|i| NodeId(i as u32)).collect();
+        Self { names, steps, taken }
     }
 
     /// What a root's line says: its name if it has been defined, else its definition.

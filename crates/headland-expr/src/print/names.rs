@@ -48,11 +48,10 @@ const GREEK: &[&str] = &[
 
 /// Words that cannot name a variable of a generated function.
 const RESERVED: &[&str] = &[
-    "auto", "break", "case", "char", "const", "continue", "default", "do", "double", "else",
-    "enum", "extern", "float", "for", "goto", "if", "inline", "int", "long", "register",
-    "restrict", "return", "short", "signed", "sizeof", "static", "struct", "switch", "typedef",
-    "union", "unsigned", "void", "volatile", "while", "x", "y", "NAN", "INFINITY", "HUGE_VAL",
-    "asm", "main",
+    "auto", "break", "case", "char", "const", "continue", "default", "do", "double", "else", "enum", "extern", "float",
+    "for", "goto", "if", "inline", "int", "long", "register", "restrict", "return", "short", "signed", "sizeof",
+    "static", "struct", "switch", "typedef", "union", "unsigned", "void", "volatile", "while", "x", "y", "NAN",
+    "INFINITY", "HUGE_VAL", "asm", "main",
 ];
 
 /// A name taken apart: `base _ subscript [index] '`.
@@ -65,25 +64,15 @@ struct Parts<'a> {
 fn parts(name: &str) -> Parts<'_> {
     let primes = name.chars().rev().take_while(|&c| c == '\'').count();
     let name = &name[..name.len() - primes];
-    let mut pieces = name
-        .split(['_', '[', ']', '.', ',', ' '])
-        .filter(|s| !s.is_empty());
+    let mut pieces = name.split(['_', '[', ']', '.', ',', ' ']).filter(|s| !s.is_empty());
     let base = pieces.next().unwrap_or("");
-    Parts {
-        base,
-        subscripts: pieces.collect(),
-        primes,
-    }
+    Parts { base, subscripts: pieces.collect(), primes }
 }
 
 /// `psi1` is `psi` with subscript `1`.
 fn split_digits(s: &str) -> (&str, &str) {
     let letters = s.trim_end_matches(|c: char| c.is_ascii_digit());
-    if letters.is_empty() {
-        (s, "")
-    } else {
-        (letters, &s[letters.len()..])
-    }
+    if letters.is_empty() { (s, "") } else { (letters, &s[letters.len()..]) }
 }
 
 fn escape(s: &str) -> String {
@@ -114,11 +103,7 @@ fn subscript(s: &str) -> String {
 
 /// A name in LaTeX: `theta[1]'` gives `\dot{\theta}_{1}`, `v_C[2]` gives `v_{C,2}`, `speed` gives `\mathit{speed}`.
 pub fn latex_name(name: &str) -> String {
-    let Parts {
-        base,
-        subscripts,
-        primes,
-    } = parts(name);
+    let Parts { base, subscripts, primes } = parts(name);
     let (letters, digits) = split_digits(base);
     let symbol = if GREEK.contains(&letters) {
         format!("\\{letters}")
@@ -138,11 +123,7 @@ pub fn latex_name(name: &str) -> String {
     if !digits.is_empty() {
         below.insert(0, digits.into());
     }
-    if below.is_empty() {
-        symbol
-    } else {
-        format!("{symbol}_{{{}}}", below.join(","))
-    }
+    if below.is_empty() { symbol } else { format!("{symbol}_{{{}}}", below.join(",")) }
 }
 
 /// A name as an identifier of C: `theta[1]'` gives `theta_1_dot`, a reserved word a trailing underscore.
@@ -202,17 +183,11 @@ impl Names {
 
     /// Names `p_1, p_2, …` (C: `w1, w2, …`) for temporaries, of a letter with which no name taken so far begins.
     pub(super) fn temporaries(&self, style: Style) -> impl Fn(usize) -> String + use<> {
-        let letters: &[&str] = if style == Style::C {
-            &["w", "h", "tmp"]
-        } else {
-            &["x", "w", "h", "c", "k", "tmp"]
-        };
+        let letters: &[&str] = if style == Style::C { &["w", "h", "tmp"] } else { &["x", "w", "h", "c", "k", "tmp"] };
         let free = |p: &&&str| {
             !self.taken.iter().any(|name| {
                 let rest = name.strip_prefix(**p);
-                rest.is_some_and(|rest| {
-                    rest.is_empty() || rest.starts_with(|c: char| c == '_' || c.is_ascii_digit())
-                })
+                rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(|c: char| c == '_' || c.is_ascii_digit()))
             })
         };
         let letter = (*letters.iter().find(free).unwrap_or(&"headland_tmp")).to_string();

@@ -10,12 +10,7 @@ use crate::graph::{Graph, NodeId};
 use crate::ops::Op;
 
 /// Breakpoints, and windows that stand for those too many to find.
-pub(super) fn find(
-    graph: &Graph,
-    kinds: &Kinds,
-    values: &[f64],
-    span: Span,
-) -> (Vec<f64>, Vec<Window>) {
+pub(super) fn find(graph: &Graph, kinds: &Kinds, values: &[f64], span: Span) -> (Vec<f64>, Vec<Window>) {
     let searches = arguments(graph, kinds, values);
     let mut found = Vec::new();
     let mut windows = Vec::new();
@@ -23,22 +18,14 @@ pub(super) fn find(
     let count = searches.len();
     for (i, Argument { tape, targets, cut }) in searches.into_iter().enumerate() {
         // What one search does not use, the later ones may.
-        let mut search = Search {
-            tape: &tape,
-            targets: &targets,
-            span,
-            budget: left / (count - i),
-            found: Vec::new(),
-        };
+        let mut search = Search { tape: &tape, targets: &targets, span, budget: left / (count - i), found: Vec::new() };
         let before = search.budget;
         if let Some(window) = search.run() {
             windows.push(window);
         }
         left -= before - search.budget;
         search.join_touches();
-        search
-            .found
-            .retain(|&t| cut.as_ref().is_none_or(|x| x.first_at(t).value <= 0.0));
+        search.found.retain(|&t| cut.as_ref().is_none_or(|x| x.first_at(t).value <= 0.0));
         found.append(&mut search.found);
     }
     (sorted(found, span), windows)
@@ -64,18 +51,12 @@ fn arguments<'a>(graph: &'a Graph, kinds: &Kinds, values: &[f64]) -> Vec<Argumen
     let mut list = Vec::new();
     let mut seen = FxHashSet::default();
     let tape = |outputs: &[NodeId]| Tape::new(graph, kinds, values, outputs);
-    let zero = |tape| Argument {
-        tape,
-        targets: vec![0.0],
-        cut: None,
-    };
+    let zero = |tape| Argument { tape, targets: vec![0.0], cut: None };
     for id in kinds.nodes() {
         let node = graph.node(id);
         let (a, b) = (NodeId(node.args[0]), NodeId(node.args[1]));
         match node.op {
-            Op::Abs | Op::Sign | Op::Select
-                if kinds.of(a) == Kind::Time && seen.insert((a, None)) =>
-            {
+            Op::Abs | Op::Sign | Op::Select if kinds.of(a) == Kind::Time && seen.insert((a, None)) => {
                 list.push(zero(tape(&[a])));
             }
             Op::Min | Op::Max if kinds.of(id) == Kind::Time && seen.insert((a, Some(b.0))) => {
@@ -83,20 +64,12 @@ fn arguments<'a>(graph: &'a Graph, kinds: &Kinds, values: &[f64]) -> Vec<Argumen
             }
             Op::Atan2 if kinds.of(a) == Kind::Time => match kinds.of(b) {
                 Kind::Fixed if values[b.index()] > 0.0 => {}
-                Kind::Time => list.push(Argument {
-                    cut: Some(tape(&[b])),
-                    ..zero(tape(&[a]))
-                }),
+                Kind::Time => list.push(Argument { cut: Some(tape(&[b])), ..zero(tape(&[a])) }),
                 _ => list.push(zero(tape(&[a]))),
             },
-            Op::Spline
-                if kinds.of(a) == Kind::Time && seen.insert((a, Some(u32::MAX - node.args[1]))) =>
-            {
+            Op::Spline if kinds.of(a) == Kind::Time && seen.insert((a, Some(u32::MAX - node.args[1]))) => {
                 let targets = graph.spline(node.args[1]).knots().to_vec();
-                list.push(Argument {
-                    targets,
-                    ..zero(tape(&[a]))
-                });
+                list.push(Argument { targets, ..zero(tape(&[a])) });
             }
             _ => {}
         }
@@ -131,11 +104,7 @@ impl Search<'_> {
             if first >= end || value.lo == value.hi {
                 continue; // passes none, or rests
             }
-            if smooth
-                && (slope.lo > 0.0 || slope.hi < 0.0)
-                && slope.lo.is_finite()
-                && slope.hi.is_finite()
-            {
+            if smooth && (slope.lo > 0.0 || slope.hi < 0.0) && slope.lo.is_finite() && slope.hi.is_finite() {
                 self.monotone(a, b, first, end);
             } else if b - a > self.span.instant() {
                 let middle = 0.5 * (a + b);
@@ -207,16 +176,8 @@ impl Search<'_> {
             steps += 1;
             // A little beyond the root, so that both ends of the bracket close in.
             let change = -value / f.dot;
-            let beyond = t
-                + change
-                + (1e-3 * change.abs())
-                    .max(2.0 * f64::EPSILON * t.abs())
-                    .copysign(change);
-            t = if beyond > a && beyond < b && steps < 12 {
-                beyond
-            } else {
-                0.5 * (a + b)
-            };
+            let beyond = t + change + (1e-3 * change.abs()).max(2.0 * f64::EPSILON * t.abs()).copysign(change);
+            t = if beyond > a && beyond < b && steps < 12 { beyond } else { 0.5 * (a + b) };
         }
         self.found.push(b);
     }
@@ -230,11 +191,7 @@ impl Search<'_> {
                 return self.bisect(a, b, |f| f.0 - target);
             }
         }
-        if fa.dot * fb.dot < 0.0 {
-            self.bisect(a, b, |f| f.1)
-        } else {
-            self.found.push(0.5 * (a + b))
-        }
+        if fa.dot * fb.dot < 0.0 { self.bisect(a, b, |f| f.1) } else { self.found.push(0.5 * (a + b)) }
     }
 
     fn bisect(&mut self, mut a: f64, mut b: f64, g: impl Fn((f64, f64)) -> f64) {
@@ -251,11 +208,7 @@ impl Search<'_> {
             if t <= a || t >= b {
                 break;
             }
-            if (at(t) > 0.0) == (ga > 0.0) {
-                a = t
-            } else {
-                b = t
-            }
+            if (at(t) > 0.0) == (ga > 0.0) { a = t } else { b = t }
         }
         self.found.push(b);
     }
@@ -263,16 +216,7 @@ impl Search<'_> {
     /// Too many: a window from `a` on with the mean distance of those found.
     fn give_up(&self, a: f64) -> Window {
         let Span { t0, t1 } = self.span;
-        let step = if self.found.is_empty() {
-            self.span.length() * 1e-3
-        } else {
-            (a - t0) / self.found.len() as f64
-        };
-        Window {
-            start: a,
-            end: t1,
-            longest_step: step.max(self.span.instant()),
-            stop: false,
-        }
+        let step = if self.found.is_empty() { self.span.length() * 1e-3 } else { (a - t0) / self.found.len() as f64 };
+        Window { start: a, end: t1, longest_step: step.max(self.span.instant()), stop: false }
     }
 }

@@ -64,14 +64,7 @@ impl<'a> Tape<'a> {
             operations.push(node);
         }
         let outputs = outputs.iter().map(|id| seen[&id.0] as usize).collect();
-        Self {
-            graph,
-            fixed,
-            operations,
-            outputs,
-            numbers: RefCell::default(),
-            ranges: RefCell::default(),
-        }
+        Self { graph, fixed, operations, outputs, numbers: RefCell::default(), ranges: RefCell::default() }
     }
 
     /// Replaces the two outputs by their difference.
@@ -91,11 +84,7 @@ impl<'a> Tape<'a> {
         let arena = self.graph.arena().borrow();
         slots.clear();
         slots.push(t);
-        slots.extend(
-            self.fixed
-                .iter()
-                .map(|&x| Dual::new(S::constant(x), S::constant(0.0))),
-        );
+        slots.extend(self.fixed.iter().map(|&x| Dual::new(S::constant(x), S::constant(0.0))));
         for &node in &self.operations {
             let value = arena.eval_node(node, &[], |a| slots[a as usize]);
             slots.push(value);
@@ -119,15 +108,9 @@ impl<'a> Tape<'a> {
     /// Ranges over a span; derivatives are those between jumps, and `false` comes with them if one may be inside.
     pub(super) fn over(&self, from: f64, to: f64) -> (Vec<Range>, bool) {
         let slots = &mut *self.ranges.borrow_mut();
-        self.run(
-            Dual::new(Interval::new(from, to), Interval::constant(1.0)),
-            slots,
-        );
+        self.run(Dual::new(Interval::new(from, to), Interval::constant(1.0)), slots);
         let smooth = self.operations.iter().all(|node| self.smooth(node, slots));
-        (
-            self.outputs.iter().map(|&slot| slots[slot]).collect(),
-            smooth,
-        )
+        (self.outputs.iter().map(|&slot| slots[slot]).collect(), smooth)
     }
 
     /// Whether an operation cannot jump for the operands it has.

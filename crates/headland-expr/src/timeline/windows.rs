@@ -37,11 +37,7 @@ pub(super) fn find(
     if outputs.is_empty() {
         return Vec::new();
     }
-    let operations = kinds
-        .kind
-        .iter()
-        .filter(|kind| **kind == Kind::Time)
-        .count();
+    let operations = kinds.kind.iter().filter(|kind| **kind == Kind::Time).count();
     if FEWEST * operations > BUDGET {
         return Vec::new(); // too large for a search to say anything in time
     }
@@ -56,9 +52,7 @@ pub(super) fn find(
     }
     search.refine();
     let mut windows = regions(&search.leaves(), span.length() / COARSE, span);
-    windows
-        .iter_mut()
-        .for_each(|window| snap(window, span, breakpoints));
+    windows.iter_mut().for_each(|window| snap(window, span, breakpoints));
     windows
 }
 
@@ -88,9 +82,7 @@ fn maximal(graph: &Graph, kinds: &Kinds, roots: &[NodeId]) -> Vec<NodeId> {
             used[operand.index()] = true;
         }
     }
-    let is_function = |id: &NodeId| {
-        used[id.index()] && kinds.of(*id) == Kind::Time && graph.node(*id).op.arity() > 0
-    };
+    let is_function = |id: &NodeId| used[id.index()] && kinds.of(*id) == Kind::Time && graph.node(*id).op.arity() > 0;
     kinds.nodes().filter(is_function).collect()
 }
 
@@ -132,9 +124,7 @@ impl PartialOrd for Leaf {
 impl Ord for Leaf {
     /// By share; earlier ones first among equals.
     fn cmp(&self, other: &Self) -> Ordering {
-        self.share
-            .total_cmp(&other.share)
-            .then(other.start.total_cmp(&self.start))
+        self.share.total_cmp(&other.share).then(other.start.total_cmp(&self.start))
     }
 }
 
@@ -177,50 +167,31 @@ impl<'a> Search<'a> {
     /// Range of function `k` over all time as far as known; never so small that rounding looks like variation.
     fn total(&self, k: usize) -> f64 {
         let (lo, hi) = self.sampled[k];
-        if lo > hi {
-            0.0
-        } else {
-            (hi - lo).max(1e-9 * lo.abs().max(hi.abs()))
-        }
+        if lo > hi { 0.0 } else { (hi - lo).max(1e-9 * lo.abs().max(hi.abs())) }
     }
 
     fn share(&self, rates: &[(f64, f64)]) -> f64 {
         let share = |(k, &(range, _)): (usize, &(f64, f64))| {
-            if range == 0.0 {
-                0.0
-            } else {
-                range / self.total(k)
-            }
+            if range == 0.0 { 0.0 } else { range / self.total(k) }
         };
         rates.iter().enumerate().map(share).fold(0.0, f64::max)
     }
 
     /// A new leaf with its ranges: the narrower of natural and mean-value form.
     fn add(&mut self, start: f64, end: f64) {
-        self.budget = self
-            .budget
-            .saturating_sub(self.tape.cost() + self.tape.cost() / 4);
+        self.budget = self.budget.saturating_sub(self.tape.cost() + self.tape.cost() / 4);
         self.sample(0.5 * (start + end));
         let width = end - start;
         let (ranges, smooth) = self.tape.over(start, end);
         let rate = |y: &Dual<crate::Interval>| {
             let natural = y.value.width();
-            let slope = if smooth {
-                y.dot.magnitude()
-            } else {
-                f64::INFINITY
-            };
+            let slope = if smooth { y.dot.magnitude() } else { f64::INFINITY };
             let range = natural.min(slope * width);
             (range, slope.min(range / width))
         };
         let rates: Vec<_> = ranges.iter().map(rate).collect();
         let share = self.share(&rates);
-        self.open.push(Leaf {
-            start,
-            end,
-            rates,
-            share,
-        });
+        self.open.push(Leaf { start, end, rates, share });
     }
 
     /// Splits the leaf with the largest share until all are resolved or the budget is spent.
@@ -241,11 +212,7 @@ impl<'a> Search<'a> {
             }
         }
         for leaf in std::mem::take(&mut self.open) {
-            let leaf = if leaf.share > RESOLVED {
-                self.guess(leaf)
-            } else {
-                leaf
-            };
+            let leaf = if leaf.share > RESOLVED { self.guess(leaf) } else { leaf };
             self.done.push(leaf);
         }
     }
@@ -255,10 +222,7 @@ impl<'a> Search<'a> {
         let width = leaf.end - leaf.start;
         let mut slopes = vec![0.0; leaf.rates.len()];
         for part in [0.21, 0.5, 0.83] {
-            for (slope, y) in slopes
-                .iter_mut()
-                .zip(self.tape.at(leaf.start + part * width))
-            {
+            for (slope, y) in slopes.iter_mut().zip(self.tape.at(leaf.start + part * width)) {
                 *slope = f64::max(*slope, y.dot.abs());
             }
         }
@@ -276,25 +240,11 @@ impl<'a> Search<'a> {
         done.sort_unstable_by(|a, b| a.start.total_cmp(&b.start));
         let longest = |leaf: &Leaf| {
             let step = |(k, &(_, slope)): (usize, &(f64, f64))| {
-                if slope > 0.0 && slope.is_finite() {
-                    STEP * self.total(k) / slope
-                } else {
-                    f64::INFINITY
-                }
+                if slope > 0.0 && slope.is_finite() { STEP * self.total(k) / slope } else { f64::INFINITY }
             };
-            leaf.rates
-                .iter()
-                .enumerate()
-                .map(step)
-                .fold(f64::INFINITY, f64::min)
-                .max(instant)
+            leaf.rates.iter().enumerate().map(step).fold(f64::INFINITY, f64::min).max(instant)
         };
-        let window = |leaf: &Leaf| Window {
-            start: leaf.start,
-            end: leaf.end,
-            longest_step: longest(leaf),
-            stop: true,
-        };
+        let window = |leaf: &Leaf| Window { start: leaf.start, end: leaf.end, longest_step: longest(leaf), stop: true };
         done.iter().map(window).collect()
     }
 }
@@ -332,9 +282,7 @@ fn quick(leaves: &[Window], limit: f64) -> Vec<Window> {
     }
     while runs.len() > MANY {
         let gap = |i: &usize| runs[i + 1].start - runs[*i].end;
-        let smallest = (0..runs.len() - 1)
-            .map(|i| gap(&i))
-            .fold(f64::INFINITY, f64::min);
+        let smallest = (0..runs.len() - 1).map(|i| gap(&i)).fold(f64::INFINITY, f64::min);
         let mut joined: Vec<Window> = Vec::new();
         for run in runs {
             match joined.last_mut() {
@@ -360,18 +308,13 @@ fn both(a: Window, b: Window) -> Window {
 pub(super) fn join(mut windows: Vec<Window>, span: Span) -> Vec<Window> {
     // The strictest first: it may imply later ones, never the other way round.
     windows.sort_by(|a, b| {
-        a.longest_step
-            .total_cmp(&b.longest_step)
-            .then((b.end - b.start).total_cmp(&(a.end - a.start)))
+        a.longest_step.total_cmp(&b.longest_step).then((b.end - b.start).total_cmp(&(a.end - a.start)))
     });
     let near = span.instant();
     let mut list: Vec<Window> = Vec::new();
     for mut window in windows {
         window.stop &= window.end - window.start <= span.length() / 3.0;
-        if !list
-            .iter()
-            .any(|w| w.start <= window.start + near && w.end >= window.end - near)
-        {
+        if !list.iter().any(|w| w.start <= window.start + near && w.end >= window.end - near) {
             list.push(window);
         }
     }

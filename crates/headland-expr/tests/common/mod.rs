@@ -39,26 +39,16 @@ pub struct Program {
 impl Program {
     /// `length` random steps over `inputs` inputs; half of them sums and products, the rest any row of the table.
     pub fn new(random: &mut Random, inputs: usize, length: usize) -> Self {
-        let x: Vec<f64> = (0..6)
-            .map(|i| f64::from(i) - 2.5 + 0.3 * random.between(0.0, 1.0))
-            .collect();
+        let x: Vec<f64> = (0..6).map(|i| f64::from(i) - 2.5 + 0.3 * random.between(0.0, 1.0)).collect();
         let y: Vec<f64> = x.iter().map(|_| random.between(-1.0, 1.0)).collect();
         let table = Spline::new("table", &x, &y).unwrap();
-        let infix: Vec<Op> = OPS
-            .iter()
-            .filter(|r| matches!(r.form, Form::Infix(_)))
-            .map(|r| r.op)
-            .collect();
+        let infix: Vec<Op> = OPS.iter().filter(|r| matches!(r.form, Form::Infix(_))).map(|r| r.op).collect();
         let steps = (0..length)
             .map(|k| {
                 let known = inputs + k;
                 let pick = |random: &mut Random| {
                     // Mostly recent results, so that the program is deep.
-                    if random.below(2) == 0 {
-                        random.below(known)
-                    } else {
-                        known - 1 - random.below(known.min(4))
-                    }
+                    if random.below(2) == 0 { random.below(known) } else { known - 1 - random.below(known.min(4)) }
                 };
                 let args = [pick(random), pick(random), pick(random)];
                 match random.below(16) {
@@ -70,11 +60,7 @@ impl Program {
                 }
             })
             .collect();
-        Self {
-            steps,
-            inputs,
-            table,
-        }
+        Self { steps, inputs, table }
     }
 
     /// Its table.

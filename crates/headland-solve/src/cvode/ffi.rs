@@ -110,10 +110,7 @@ impl Session {
         let s = &mut session;
         // SAFETY: plain constructors; every pointer is checked before it is used, and freed by Drop.
         unsafe {
-            check(
-                "making a context",
-                sys::SUNContext_Create(sys::comm_no_mpi(), &mut s.context),
-            )?;
+            check("making a context", sys::SUNContext_Create(sys::comm_no_mpi(), &mut s.context))?;
             s.y = made("a vector", sys::N_VNew_Serial(m, s.context))?;
             s.work = made("a vector", sys::N_VNew_Serial(m, s.context))?;
             s.atol = made("a vector", sys::N_VNew_Serial(m, s.context))?;
@@ -126,15 +123,9 @@ impl Session {
             silence(s.context, s.memory);
             if bdf {
                 s.matrix = made("a matrix", sys::SUNDenseMatrix(m, m, s.context))?;
-                s.linear = made(
-                    "a linear solver",
-                    sys::SUNLinSol_Dense(s.y, s.matrix, s.context),
-                )?;
+                s.linear = made("a linear solver", sys::SUNLinSol_Dense(s.y, s.matrix, s.context))?;
             } else {
-                s.nonlinear = made(
-                    "a fixed-point solver",
-                    sys::SUNNonlinSol_FixedPoint(s.y, 0, s.context),
-                )?;
+                s.nonlinear = made("a fixed-point solver", sys::SUNNonlinSol_FixedPoint(s.y, 0, s.context))?;
             }
         }
         Ok(session)
@@ -153,9 +144,7 @@ impl Session {
         self.bridge.bad = None;
         if self.initialized {
             // SAFETY: both were made by `new`.
-            check("restarting", unsafe {
-                sys::CVodeReInit(self.memory, t, self.y)
-            })?;
+            check("restarting", unsafe { sys::CVodeReInit(self.memory, t, self.y) })?;
         } else {
             self.initialize(t)?;
             self.initialized = true;
@@ -184,33 +173,15 @@ impl Session {
         let bridge: *mut Bridge = &mut *self.bridge;
         // SAFETY: the solver and its parts were made by `new`; the bridge lives in its box as long.
         unsafe {
-            check(
-                "initializing",
-                sys::CVodeInit(memory, Some(on_rhs), t, self.y),
-            )?;
-            check(
-                "setting user data",
-                sys::CVodeSetUserData(memory, bridge.cast()),
-            )?;
-            check(
-                "setting tolerances",
-                sys::CVodeSVtolerances(memory, self.rtol, self.atol),
-            )?;
+            check("initializing", sys::CVodeInit(memory, Some(on_rhs), t, self.y))?;
+            check("setting user data", sys::CVodeSetUserData(memory, bridge.cast()))?;
+            check("setting tolerances", sys::CVodeSVtolerances(memory, self.rtol, self.atol))?;
             if self.bdf {
-                check(
-                    "attaching the linear solver",
-                    sys::CVodeSetLinearSolver(memory, self.linear, self.matrix),
-                )?;
+                check("attaching the linear solver", sys::CVodeSetLinearSolver(memory, self.linear, self.matrix))?;
                 let detect = c_int::from(self.stability_limit_detection);
-                check(
-                    "setting stability_limit_detection",
-                    sys::CVodeSetStabLimDet(memory, detect),
-                )?;
+                check("setting stability_limit_detection", sys::CVodeSetStabLimDet(memory, detect))?;
             } else {
-                check(
-                    "attaching the fixed-point solver",
-                    sys::CVodeSetNonlinearSolver(memory, self.nonlinear),
-                )?;
+                check("attaching the fixed-point solver", sys::CVodeSetNonlinearSolver(memory, self.nonlinear))?;
             }
             if let Some(order) = self.max_order {
                 let order = c_int::from(order);
@@ -229,17 +200,14 @@ impl Session {
         // SAFETY: calls of an initialized solver.
         unsafe {
             if on && !self.projects {
-                let set = sys::CVodeSetProjFn(self.memory, Some(on_projection))
-                    | sys::CVodeSetProjErrEst(self.memory, 0);
+                let set =
+                    sys::CVodeSetProjFn(self.memory, Some(on_projection)) | sys::CVodeSetProjErrEst(self.memory, 0);
                 check("setting the projection", set)?;
                 self.projects = true;
             }
             if self.projects {
                 let frequency = c_long_from(on);
-                check(
-                    "setting the projection",
-                    sys::CVodeSetProjFrequency(self.memory, frequency),
-                )?;
+                check("setting the projection", sys::CVodeSetProjFrequency(self.memory, frequency))?;
             }
         }
         Ok(())
@@ -252,30 +220,18 @@ impl Session {
         // Zero stands for no limit.
         let h = if h.is_finite() { h } else { 0.0 };
         // SAFETY: call of an initialized solver.
-        check("setting h_max", unsafe {
-            sys::CVodeSetMaxStep(self.memory, h)
-        })
+        check("setting h_max", unsafe { sys::CVodeSetMaxStep(self.memory, h) })
     }
 
     /// One step towards `t_stop`; returns the time reached, and leaves the state in [`y`](Self::y).
-    pub(super) fn step(
-        &mut self,
-        problem: &mut dyn OdeProblem,
-        t_stop: f64,
-        t_towards: f64,
-    ) -> Result<f64, Failed> {
+    pub(super) fn step(&mut self, problem: &mut dyn OdeProblem, t_stop: f64, t_towards: f64) -> Result<f64, Failed> {
         let mut t = 0.0;
         // SAFETY: the problem outlives this call, after which its pointer is removed; nothing else
         // uses the problem in the meantime.
         let code = unsafe {
-            check(
-                "setting the stop",
-                sys::CVodeSetStopTime(self.memory, t_stop),
-            )?;
-            self.bridge.problem = Some(std::mem::transmute::<
-                *mut dyn OdeProblem,
-                *mut (dyn OdeProblem + 'static),
-            >(problem));
+            check("setting the stop", sys::CVodeSetStopTime(self.memory, t_stop))?;
+            self.bridge.problem =
+                Some(std::mem::transmute::<*mut dyn OdeProblem, *mut (dyn OdeProblem + 'static)>(problem));
             let one_step = sys::CV_ONE_STEP as c_int;
             sys::CVode(self.memory, t_towards, self.y, &mut t, one_step)
         };
@@ -294,14 +250,8 @@ impl Session {
     pub(super) fn interpolate(&mut self, t: f64, y: &mut [f64]) -> Result<(), Failed> {
         // SAFETY: `work` was made by `new` with at least `y.len()` components.
         unsafe {
-            check(
-                "interpolating",
-                sys::CVodeGetDky(self.memory, t, 0, self.work),
-            )?;
-            y.copy_from_slice(std::slice::from_raw_parts(
-                sys::N_VGetArrayPointer(self.work),
-                y.len(),
-            ));
+            check("interpolating", sys::CVodeGetDky(self.memory, t, 0, self.work))?;
+            y.copy_from_slice(std::slice::from_raw_parts(sys::N_VGetArrayPointer(self.work), y.len()));
         }
         Ok(())
     }
@@ -348,9 +298,7 @@ impl Session {
         };
         let y = self.y();
         let relative = |i: usize| (error[i] / (atol[i] + self.rtol * y[i].abs())).abs();
-        (0..y.len())
-            .max_by(|&i, &j| relative(i).total_cmp(&relative(j)))
-            .unwrap_or(0)
+        (0..y.len()).max_by(|&i, &j| relative(i).total_cmp(&relative(j))).unwrap_or(0)
     }
 
     pub(super) fn counts(&self) -> Counts {
@@ -439,11 +387,7 @@ fn silence(context: sys::SUNContext, memory: *mut c_void) {
     // SAFETY: both were just made; the handler touches none of its arguments.
     unsafe {
         SUNContext_ClearErrHandlers(context);
-        CVodeSetErrHandlerFn(
-            memory,
-            Some(on_message as Handler),
-            ptr::null_mut::<c_void>(),
-        );
+        CVodeSetErrHandlerFn(memory, Some(on_message as Handler), ptr::null_mut::<c_void>());
     }
 }
 
@@ -466,12 +410,7 @@ unsafe extern "C" fn on_message(
 ) {
 }
 
-unsafe extern "C" fn on_rhs(
-    t: f64,
-    y: sys::N_Vector,
-    dy: sys::N_Vector,
-    data: *mut c_void,
-) -> c_int {
+unsafe extern "C" fn on_rhs(t: f64, y: sys::N_Vector, dy: sys::N_Vector, data: *mut c_void) -> c_int {
     // SAFETY: the library hands back the bridge and two vectors of the session's length, which do
     // not overlap.
     unsafe {
@@ -576,11 +515,7 @@ impl Bridge {
                 return -1;
             }
         };
-        self.bad = Some(BadEvaluation {
-            function,
-            t,
-            component,
-        });
+        self.bad = Some(BadEvaluation { function, t, component });
         code
     }
 }

@@ -4,24 +4,8 @@ use super::*;
 use crate::driver::Driver;
 use crate::{Integrator, Step};
 
-const ROWS: [&[(usize, f64)]; 16] = [
-    &[],
-    &A1,
-    &A2,
-    &A3,
-    &A4,
-    &A5,
-    &A6,
-    &A7,
-    &A8,
-    &A9,
-    &A10,
-    &A11,
-    &B,
-    &A13,
-    &A14,
-    &A15,
-];
+const ROWS: [&[(usize, f64)]; 16] =
+    [&[], &A1, &A2, &A3, &A4, &A5, &A6, &A7, &A8, &A9, &A10, &A11, &B, &A13, &A14, &A15];
 
 fn sum(row: &[(usize, f64)], value: impl Fn(usize) -> f64) -> f64 {
     row.iter().map(|&(j, a)| a * value(j)).sum()
@@ -57,11 +41,7 @@ fn weights_meet_the_conditions_of_tall_and_bushy_trees() {
         }
         factorial *= f64::from(m + 1);
         let tall = sum(&B, |j| chain[j]);
-        assert!(
-            (tall * factorial - 1.0).abs() < 1e-12,
-            "m = {m}: {}",
-            tall * factorial
-        );
+        assert!((tall * factorial - 1.0).abs() < 1e-12, "m = {m}: {}", tall * factorial);
     }
     // Σ_i b_i c_i^p (Σ_j a_ij c_j^q) = 1 / ((p + q + 2) (q + 1))
     for p in 0..6 {

@@ -43,11 +43,7 @@ impl Problem {
         }
     }
 
-    pub fn events(
-        mut self,
-        count: usize,
-        mut g: impl FnMut(f64, &[f64], &mut [f64]) + 'static,
-    ) -> Self {
+    pub fn events(mut self, count: usize, mut g: impl FnMut(f64, &[f64], &mut [f64]) + 'static) -> Self {
         let f: Fun = Box::new(move |t, y, out| {
             g(t, y, out);
             Ok(())
@@ -115,11 +111,7 @@ pub fn tolerance(n: usize, rtol: f64) -> Options {
 }
 
 /// Goes to `t_stop`; events are a failure of the test.
-pub fn run(
-    integrator: &mut dyn Integrator,
-    problem: &mut dyn OdeProblem,
-    t_stop: f64,
-) -> Result<(), SolveError> {
+pub fn run(integrator: &mut dyn Integrator, problem: &mut dyn OdeProblem, t_stop: f64) -> Result<(), SolveError> {
     loop {
         match integrator.step(problem, t_stop)? {
             Step::Advanced { .. } => {}
@@ -147,10 +139,6 @@ pub fn run_events(
 
 /// `-log10` of the largest error relative to `floor + |reference|`.
 pub fn digits(y: &[f64], reference: &[f64], floor: f64) -> f64 {
-    let worst = y
-        .iter()
-        .zip(reference)
-        .map(|(a, r)| (a - r).abs() / (floor + r.abs()))
-        .fold(0.0, f64::max);
+    let worst = y.iter().zip(reference).map(|(a, r)| (a - r).abs() / (floor + r.abs())).fold(0.0, f64::max);
     -worst.log10()
 }

@@ -1,0 +1,89 @@
+//! **headland**: multibody dynamics for wheeled, rolling and coupled machines.
+//!
+//! List the inertia and force elements of a machine with their structures; headland derives the equations of motion,
+//! checks the derivation against itself, compiles them, picks an integrator and gives trajectories, energies and plots.
+//!
+//! # Ten minutes
+//!
+//! A scene is a TOML file, or is built in Rust:
+//!
+//! ```
+//! use headland::{RunOptions, Scene, Silent, Status};
+//!
+//! let mut scene = Scene::parse("sleigh.toml", r#"
+//! title = "Chaplygin's sleigh"
+//! [parameters]
+//! m = "1 kg"
+//! J = "0.5 kg*m^2"
+//! b = "0.3 m"          # knife edge to mass centre
+//! [coordinates]
+//! x = "m"              # of the knife edge
+//! y = "m"
+//! theta = "rad"
+//! [quasi_velocities]
+//! v = "m/s"
+//! w = "rad/s"
+//! [kinematics]         # form (2): the edge does not slip sideways
+//! "x'" = "v*cos(theta)"
+//! "y'" = "v*sin(theta)"
+//! "theta'" = "w"
+//! [[inertia]]
+//! name = "m, x"
+//! value = "m"
+//! geometric = "x + b*cos(theta)"
+//! [[inertia]]
+//! name = "m, y"
+//! value = "m"
+//! geometric = "y + b*sin(theta)"
+//! [[inertia]]
+//! name = "J"
+//! value = "J"
+//! geometric = "theta"
+//! [initial]
+//! x = 0
+//! y = 0
+//! theta = 0
+//! v = "1 m/s"
+//! w = "2 rad/s"
+//! "#)?;
+//! scene.set("b", "0.4")?;                                  // still metres
+//! let model = scene.build()?;                              // names, units, families: all errors in one go
+//! let result = headland::run(&model, &RunOptions::of(&model), &mut Silent)?;
+//! assert_eq!(result.report.status, Status::Done);
+//! assert!(result.report.energy_balance.unwrap() < 1e-7);   // no force does work
+//! # Ok::<(), headland::Error>(())
+//! ```
+//!
+//! The steps one by one: [`Scene`] says what there is, [`Scene::build`] makes a [`Model`], [`derive()`] its
+//! [`Equations`], [`equations_text`] prints them, [`System`] compiles them, [`run()`] does all of it.
+
+pub use headland_code as code;
+pub use headland_dynamics as dynamics;
+pub use headland_expr as expr;
+pub use headland_model as model;
+pub use headland_sim as sim;
+pub use headland_solve as solve;
+
+pub use headland_dynamics::present::{Form, equations_text};
+pub use headland_dynamics::{Algorithm, DeriveError, DeriveOptions, Equations, derive};
+pub use headland_model::{Model, ModelError, Scene};
+pub use headland_sim::{Observer, Run, RunError, RunOptions, RunReport, Silent, Status, System, Trajectory, run};
+pub use headland_solve::{Method, SolveError, method_names};
+
+/// Whatever can go wrong between a scene and a run; each stage has its own error.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The scene.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// The derivation.
+    #[error(transparent)]
+    Derive(#[from] DeriveError),
+    /// The run.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// An integrator.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+}
