@@ -284,8 +284,9 @@ impl<'g> Builder<'_, 'g> {
     pub(crate) fn coordinates(&mut self) {
         for entry in self.scene.section("coordinates") {
             let Ok((name, count, dimension, angle)) = self.declared(entry, "a coordinate") else { continue };
-            if self.scene.section("prescribed").iter().any(|p| p.key == entry.key) {
-                continue; // a given function of time: declared there
+            if self.scene.section("prescribed").iter().any(|p| p.key.split('[').next() == Some(&name)) {
+                self.low.declared.insert(name, (dimension, angle)); // a given function of time: made there
+                continue;
             }
             let base = self.low.coordinates.len();
             for member in if count == 0 { 0..=0 } else { 1..=count } {

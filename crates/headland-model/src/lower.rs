@@ -75,6 +75,8 @@ pub struct Lowering<'g> {
     pub unifier: Unifier,
     /// What is wrong so far.
     pub diagnostics: Vec<Diagnostic>,
+    /// Prescribed coordinates that were declared with a unit.
+    pub declared: FxHashMap<String, (Dimension, bool)>,
     instances: FxHashMap<Instance, State<'g>>,
     derivatives: FxHashMap<(NodeId, u8), Expr<'g>>,
     /// Definitions made, in order.
@@ -101,6 +103,7 @@ impl<'g> Lowering<'g> {
             quasi_types: Vec::new(),
             unifier: Unifier::default(),
             diagnostics: Vec::new(),
+            declared: FxHashMap::default(),
             instances: FxHashMap::default(),
             derivatives: FxHashMap::default(),
             made: Vec::new(),
@@ -206,9 +209,15 @@ impl<'g> Lowering<'g> {
     fn make_instance(&mut self, instance: Instance) -> Result<Typed<'g>, Reported> {
         let Some(rule) = self.rule(instance).cloned() else { return Err(Reported) };
         let bindings: Vec<(Arc<str>, i64)> = rule.binding.iter().cloned().collect();
-        let typed = self.run(&rule.formula.program, &rule.formula, &bindings)?;
+        let mut typed = self.run(&rule.formula.program, &rule.formula, &bindings)?;
         if typed.condition {
             return Err(self.report(rule.formula.place, "a comparison stands only inside `if(.., .., ..)`"));
+        }
+        let name = self.symbols.by_name.get_index(instance.0).map_or("", |(name, _)| name);
+        if let Some((dimension, angle)) = self.declared.get(name).cloned() {
+            let what = format!("`{}`", self.instance_name(instance));
+            self.demand(&typed, &dimension, angle, &rule.formula, &what)?;
+            typed = Typed { dimension, angle, ..typed };
         }
         let id = self.graph.id(typed.expr);
         self.made.push((self.instance_name(instance), id, typed.dimension.clone(), typed.angle));
@@ -699,6 +708,31 @@ impl<'g> Lowering<'g> {
             });
         }
         Ok(total.unwrap_or(Typed::number(0.0, self.unifier.unknown())))
+    }
+
+    /// Demands a dimension.
+    pub fn demand(
+        &mut self,
+        typed: &Typed<'g>,
+        wanted: &Dimension,
+        angle: bool,
+        formula: &Formula,
+        what: &str,
+    ) -> Result<(), Reported> {
+        match self.unifier.unify(&typed.dimension, wanted) {
+            Ok(()) => Ok(()),
+            Err((found, wanted)) => {
+                let message = format!(
+                    "{what} is {} [{}], but `{}` is {} [{}]",
+                    wanted.kind(angle),
+                    wanted.unit(angle),
+                    formula.text,
+                    found.kind(typed.angle),
+                    found.unit(typed.angle)
+                );
+                Err(self.report(formula.place.clone(), message))
+            }
+        }
     }
 
     fn no_conditions(

@@ -67,7 +67,7 @@ impl<'g> Builder<'_, 'g> {
             let typed = self.low.lower(&formula, &binding)?;
             let (dimension, angle) = self.low.coordinate_types[i].clone();
             let name = format!("{}'", self.low.coordinates[i].name);
-            self.demand(&typed, &per_time(&dimension, 1), angle, &formula, &format!("the rate `{name}`"))?;
+            self.low.demand(&typed, &per_time(&dimension, 1), angle, &formula, &format!("the rate `{name}`"))?;
             self.no_accelerations(&typed, &formula.place, &format!("the rate `{name}`"))?;
             let node = self.low.graph.id(typed.expr);
             self.parts.kinematics.push(KinematicRow {
@@ -77,31 +77,6 @@ impl<'g> Builder<'_, 'g> {
             });
         }
         Ok(())
-    }
-
-    /// Demands a dimension.
-    pub(crate) fn demand(
-        &mut self,
-        typed: &Typed<'g>,
-        wanted: &Dimension,
-        angle: bool,
-        formula: &Formula,
-        what: &str,
-    ) -> Made<()> {
-        match self.low.unifier.unify(&typed.dimension, wanted) {
-            Ok(()) => Ok(()),
-            Err((found, wanted)) => {
-                let message = format!(
-                    "{what} is {} [{}], but `{}` is {} [{}]",
-                    wanted.kind(angle),
-                    wanted.unit(angle),
-                    formula.text,
-                    found.kind(typed.angle),
-                    found.unit(typed.angle)
-                );
-                Err(self.low.report(formula.place.clone(), message))
-            }
-        }
     }
 
     pub(crate) fn no_accelerations(&mut self, typed: &Typed<'g>, place: &Place, what: &str) -> Made<()> {
@@ -163,7 +138,7 @@ impl<'g> Builder<'_, 'g> {
         let right = self.low.formula(&text[at + 1..], &place.part(&(at + 1..text.len())))?;
         for binding in self.members_of(&[&left, &right], place)? {
             let (a, b) = (self.low.lower(&left, &binding)?, self.low.lower(&right, &binding)?);
-            self.demand(&b, &a.dimension, a.angle, &right, "the left side")?;
+            self.low.demand(&b, &a.dimension, a.angle, &right, "the left side")?;
             let zero = Typed { expr: a.expr - b.expr, ..a };
             let name = bound_name(&name, &binding);
             self.no_accelerations(&zero, place, &format!("the constraint `{name}`"))?;

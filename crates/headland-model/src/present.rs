@@ -63,7 +63,13 @@ impl<'g> Builder<'_, 'g> {
             let name = bound_name(expression.trim(), &binding);
             let mut quantity = self.quantity(name, typed.clone());
             if let Some((unit, text)) = &unit {
-                self.demand(&typed, &unit.dimension, unit.angle, &formula, &format!("the column's unit `{text}`"))?;
+                self.low.demand(
+                    &typed,
+                    &unit.dimension,
+                    unit.angle,
+                    &formula,
+                    &format!("the column's unit `{text}`"),
+                )?;
                 quantity.factor = unit.from_si(1.0);
                 quantity.unit.clone_from(text);
             }

@@ -1,10 +1,11 @@
 //! Initial values and scales of a scene's states.
 
+use headland_expr::NodeId;
 use headland_expr::parse::suggestion;
 
 use crate::build::{Builder, Made};
 use crate::dimension::Dimension;
-use crate::lower::per_time;
+use crate::lower::{Typed, per_time};
 use crate::place::Place;
 use crate::scene::Entry;
 use crate::symbols::{Binding, Formula, Symbol, parse_key};
@@ -44,11 +45,8 @@ impl<'g> Builder<'_, 'g> {
             let (dimension, angle) =
                 if kind { self.low.coordinate_types[i].clone() } else { self.low.quasi_types[i].clone() };
             let what = format!("the initial value of `{}`", entry.key);
-            self.demand(&typed, &per_time(&dimension, primes), angle, &formula, &what)?;
-            if self.evaluate(typed.expr).is_none() {
-                let message = format!("{what} must be a finite number made of parameters, but is `{}`", formula.text);
-                return Err(self.low.report(formula.place, message));
-            }
+            self.low.demand(&typed, &per_time(&dimension, primes), angle, &formula, &what)?;
+            self.known_at_start(&typed, kind && primes == 0, &formula, &what)?;
             let node = self.low.graph.id(typed.expr);
             let slot = match (kind, primes) {
                 (true, 0) => &mut self.low.coordinates[i].initial,
@@ -64,6 +62,24 @@ impl<'g> Builder<'_, 'g> {
             *slot = Some(node);
         }
         Ok(())
+    }
+
+    /// An initial value is made of parameters and the starting time; one of a velocity also of the coordinates.
+    fn known_at_start(&mut self, typed: &Typed<'g>, is_coordinate: bool, formula: &Formula, what: &str) -> Made<()> {
+        let input = |id: NodeId| self.low.graph.node(id).args[0] as usize;
+        let mut known: Vec<usize> = self.parts.parameters.iter().map(|p| p.input).collect();
+        known.push(input(self.low.time));
+        if !is_coordinate {
+            known.extend(self.low.coordinates.iter().map(|c| input(c.q)));
+        }
+        let message = match (self.depends(typed.expr, |i| !known.contains(&i)), typed.expr.value()) {
+            (Some(name), _) => {
+                format!("{what} is made of what is known at the start, but `{}` depends on `{name}`", formula.text)
+            }
+            (None, Some(x)) if !x.is_finite() => format!("{what} is {x}"),
+            _ => return Ok(()),
+        };
+        Err(self.low.report(formula.place.clone(), message))
     }
 
     /// The states that a key of `[initial]` or `[scale]` names: first index, coordinate or quasi-velocity, primes, members.
@@ -133,7 +149,7 @@ impl<'g> Builder<'_, 'g> {
         what: &str,
     ) -> Made<f64> {
         let typed = self.low.lower(formula, binding)?;
-        self.demand(&typed, d, angle, formula, what)?;
+        self.low.demand(&typed, d, angle, formula, what)?;
         match self.evaluate(typed.expr) {
             Some(x) => Ok(x),
             None => {

@@ -4,8 +4,8 @@ use crate::SolveError;
 
 /// Tolerances, step limits and method settings.
 ///
-/// A step is accepted when the root mean square over the components of
-/// `error_i / (atol_i + rtol |y_i|)` is at most 1.
+/// A step is accepted when `error_i / (atol_i + rtol |y_i|)` is at most 1: for every component with `dop853`, in the
+/// root mean square over the components with CVODE.
 ///
 /// ```
 /// let mut options = headland_solve::Options::new(1e-8, vec![1e-10; 3]);
