@@ -35,6 +35,7 @@ enum Command {
     /// Print the JSON Schema of scene files, for editors
     Schema,
     /// Run the reference problems and compare
+    #[cfg(feature = "validate")]
     Validate(ValidateArgs),
 }
 
@@ -48,6 +49,7 @@ pub(crate) struct SceneArgs {
     sets: Vec<String>,
 }
 
+#[cfg(feature = "validate")]
 #[derive(Args)]
 struct ValidateArgs {
     /// Only problems whose name contains one of these
@@ -92,6 +94,7 @@ fn main() -> ExitCode {
             print(&format!("{:#}\n", headland::model::format::json_schema()));
             Ok(())
         }
+        #[cfg(feature = "validate")]
         Command::Validate(args) => validate(&args),
     };
     match result {
@@ -107,6 +110,7 @@ fn main() -> ExitCode {
     }
 }
 
+#[cfg(feature = "validate")]
 fn validate(args: &ValidateArgs) -> Result<(), Failure> {
     let results = headland_validation::run(&args.names);
     if results.is_empty() {

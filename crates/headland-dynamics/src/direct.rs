@@ -25,10 +25,10 @@ pub fn derive_direct<'g>(model: &Model, kinematics: &Kinematics, s: &Structures<
     let mut m = vec![Expr::Const(0.0); n * (n + 1) / 2];
     let mut f = vec![Expr::Const(0.0); n];
     for e in 0..model.elements.len() {
-        let p = s.force[e] - s.inertia[e] * s.bias[e];
         for i in 0..n {
             let w = s.w[e][i];
-            f[i] = f[i] + w * p;
+            // w bias first: where W is a square root, the bias has it as its denominator
+            f[i] = f[i] + (w * s.force[e] - s.inertia[e] * (w * s.bias[e]));
             let jw = s.inertia[e] * w;
             for j in 0..=i {
                 // J W² keeps its square: (√x)² = x there

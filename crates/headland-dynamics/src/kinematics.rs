@@ -123,11 +123,12 @@ fn check_linear(model: &Model, quasi: &[Quasi], rates: &[NodeId]) -> Result<(), 
     let u_inputs: Vec<usize> = quasi.iter().map(|u| model.input_index(u.u)).collect();
     for u in &u_inputs {
         let column = graph.tangent(rates, |i| (i == *u).then_some(Expr::Const(1.0)));
-        for (i, g) in column.into_iter().enumerate() {
-            if let Some(input) = depends_on(model, graph.id(g), &u_inputs) {
-                let what = format!("the rate of `{}`", model.coordinates[i].name);
-                return Err(DeriveError::NotLinear { what, variables: "the quasi-velocities", input });
-            }
+        let nodes: Vec<NodeId> = column.into_iter().map(|g| graph.id(g)).collect();
+        let depends = graph.depends(&nodes, |i| u_inputs.contains(&i));
+        if let Some(i) = depends.iter().position(|d| *d) {
+            let what = format!("the rate of `{}`", model.coordinates[i].name);
+            let input = depends_on(model, nodes[i], &u_inputs).unwrap_or_default();
+            return Err(DeriveError::NotLinear { what, variables: "the quasi-velocities", input });
         }
     }
     Ok(())

@@ -49,8 +49,9 @@ fn name_entries(model: &Model, equations: &Equations) -> Named {
     let mut structure = Vec::new();
     for (e, row) in model.elements.iter().zip(&equations.structure_matrix) {
         for (k, node) in row.iter().enumerate() {
-            let base = plain(&e.name).map(|name| format!("W_{name}"));
-            if let Some(base) = base {
+            // cos(psi) is better read as it is than as W_x
+            let worth_a_name = model.graph.node(*node).op.arity() > 1;
+            if let Some(base) = plain(&e.name).filter(|_| worth_a_name).map(|name| format!("W_{name}")) {
                 let name = if n == 1 { base } else { format!("{}_{}", base.replace(['[', ']'], ""), k + 1) };
                 structure.push((name, *node));
             }

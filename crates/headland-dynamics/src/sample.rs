@@ -6,14 +6,12 @@ use headland_model::Model;
 pub fn start_inputs(model: &Model) -> Vec<f64> {
     let mut inputs = model.inputs();
     inputs[model.input_index(model.time)] = model.run.from;
-    for c in &model.coordinates {
-        if let Some(initial) = c.initial {
-            inputs[model.input_index(c.q)] = model.graph.eval(&[initial], &inputs)[0];
-        }
-    }
-    for u in &model.quasi_velocities {
-        if let Some(initial) = u.initial {
-            inputs[model.input_index(u.u)] = model.graph.eval(&[initial], &inputs)[0];
+    let coordinates: Vec<_> = model.coordinates.iter().filter_map(|c| Some((c.q, c.initial?))).collect();
+    let quasi: Vec<_> = model.quasi_velocities.iter().filter_map(|u| Some((u.u, u.initial?))).collect();
+    for given in [coordinates, quasi] {
+        let values = model.graph.eval(&given.iter().map(|(_, initial)| *initial).collect::<Vec<_>>(), &inputs);
+        for ((input, _), value) in given.iter().zip(values) {
+            inputs[model.input_index(*input)] = value;
         }
     }
     inputs

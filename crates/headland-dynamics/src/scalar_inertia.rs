@@ -18,11 +18,11 @@ use crate::structures::Structures;
 /// # Errors
 /// [`DeriveError::ScalarInertia`] names the first one.
 pub fn check_scalar_inertia(model: &Model, kinematics: &Kinematics, s: &Structures<'_>) -> Result<(), DeriveError> {
+    let homogeneous = are_homogeneous(model, kinematics, s);
     let suspects: Vec<usize> = (0..model.elements.len())
-        .filter(|&e| {
-            model.elements[e].kind == ElementKind::Inertia && model.elements[e].form != StructureForm::Geometric
-        })
-        .filter(|&e| !(kinematics.quasi.len() == 1 && is_homogeneous(model, kinematics, s, e)))
+        .filter(|&e| model.elements[e].kind == ElementKind::Inertia)
+        .filter(|&e| model.elements[e].form != StructureForm::Geometric)
+        .filter(|&e| !(kinematics.quasi.len() == 1 && homogeneous[e]))
         .collect();
     if suspects.is_empty() {
         return Ok(());
@@ -42,11 +42,12 @@ pub fn check_scalar_inertia(model: &Model, kinematics: &Kinematics, s: &Structur
     Ok(())
 }
 
-/// True if `d′ = W u` without a part that is there at `u = 0`.
-fn is_homogeneous(model: &Model, kinematics: &Kinematics, s: &Structures<'_>, e: usize) -> bool {
-    let u = model.input_index(kinematics.quasi[0].u);
-    let node = model.graph.id(s.rate[e]);
-    model.graph.substitute(&[node], |i| (i == u).then_some(Expr::Const(0.0)))[0].is(0.0)
+/// For each element, whether `d′ = W u` without a part that is there at `u = 0`.
+fn are_homogeneous(model: &Model, kinematics: &Kinematics, s: &Structures<'_>) -> Vec<bool> {
+    let quasi: Vec<usize> = kinematics.quasi.iter().map(|u| model.input_index(u.u)).collect();
+    let nodes: Vec<NodeId> = s.rate.iter().map(|e| model.graph.id(*e)).collect();
+    let at_rest = model.graph.substitute(&nodes, |i| quasi.contains(&i).then_some(Expr::Const(0.0)));
+    at_rest.into_iter().map(|e| e.is(0.0)).collect()
 }
 
 /// Structures `d′(q, q′, t)`; an explicit one is turned over where each of its quasi-velocities is the rate of a coordinate.

@@ -49,6 +49,10 @@ impl Graph {
                     Some(Expr::select(self.expr(NodeId(node.args[0])), branch(1), branch(2))).filter(|e| !e.is(0.0));
                 continue;
             }
+            if let Some((double_angle, angle)) = self.squared_sine(node) {
+                dot[i] = dot[angle.index()].map(|d| double_angle * d);
+                continue;
+            }
             let partial = node_partials(self, id, node);
             let mut sum = Expr::Const(0.0);
             for (k, operand) in node.operands().enumerate() {
@@ -59,6 +63,22 @@ impl Graph {
             dot[i] = (!sum.is(0.0)).then_some(sum);
         }
         roots.iter().map(|r| dot[r.index()].unwrap_or(Expr::Const(0.0))).collect()
+    }
+
+    /// For `sin² a` or `cos² a`: its derivative `±2 sin a cos a` by the angle, in one form for both so that they share it,
+    /// and the angle.
+    fn squared_sine(&self, node: Node) -> Option<(Expr<'_>, NodeId)> {
+        if node.op != Op::Powi || node.exponent() != 2 {
+            return None;
+        }
+        let inner = self.node(NodeId(node.args[0]));
+        let angle = NodeId(inner.args[0]);
+        let product = || Expr::Const(2.0) * (self.expr(angle).sin() * self.expr(angle).cos());
+        match inner.op {
+            Op::Sin => Some((product(), angle)),
+            Op::Cos => Some((-product(), angle)),
+            _ => None,
+        }
     }
 
     /// Gradient `∂y/∂xᵢ` of one root with respect to the given inputs, one reverse pass.

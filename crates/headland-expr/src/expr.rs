@@ -1,7 +1,7 @@
 //! [`Expr`]: a number or a node of a graph, and the simplifications made while it is built.
 //!
 //! Rules: constants fold; 0, 1 and −1 vanish; signs move outward (`a + (−b) = a − b`, `(−a) b = −(a b)`); operands of
-//! commutative operators are sorted; `b − a` reuses `a − b`; `x x = x²`, `(√x)² = x`, `sin² + cos² = 1`. Nothing that
+//! commutative operators are sorted; `b − a` reuses `a − b`; `x x = x²`, `(√x)² = x`, `q (p/q) = p`, `sin² + cos² = 1`. Nothing that
 //! would need to know a variable's sign is done, except that `√x` is taken to be real.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -233,6 +233,17 @@ impl<'g> Mul for Expr<'g> {
         }
         if let Some(inner) = b.negated() {
             return -(a * inner);
+        }
+        // q (p / q) = p, and a (c / q) = (c a) / q for a number c
+        for (x, quotient) in [(a, b), (b, a)] {
+            if let Some([p, q]) = quotient.match_op(Op::Div) {
+                if q == x {
+                    return p;
+                }
+                if let Expr::Const(_) = p {
+                    return p * x / q;
+                }
+            }
         }
         let ((base_a, n), (base_b, m)) = (a.as_power(), b.as_power());
         if base_a == base_b && !matches!(a, Expr::Const(_)) && n > 0 && m > 0 {

@@ -134,6 +134,15 @@ impl Graph {
         (arena.splines.len() - 1) as u32
     }
 
+    /// The node at a position in the order of construction.
+    ///
+    /// # Panics
+    /// If there are fewer nodes.
+    pub fn node_at(&self, index: usize) -> NodeId {
+        assert!(index < self.len(), "node {index} of {}", self.len());
+        NodeId(index as u32)
+    }
+
     /// Number of nodes.
     pub fn len(&self) -> usize {
         self.arena.borrow().nodes.len()

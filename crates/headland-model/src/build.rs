@@ -3,6 +3,7 @@
 use headland_expr::parse::Program;
 use headland_expr::{Expr, Graph, NodeId};
 
+use crate::depend::Kinds;
 use crate::lower::{Lowering, Reported, Typed};
 use crate::model::{
     Coordinate, Element, ElementKind, Event, Guard, KinematicRow, LinearSolver, Model, Parameter, Plot, Quantity,
@@ -185,12 +186,10 @@ impl<'s, 'g> Builder<'s, 'g> {
         }
         for (symbol, member, kind) in wanted {
             let Ok(typed) = self.low.definition(symbol, member) else { continue };
-            let time = self.low.graph.node(self.low.time).args[0] as usize;
-            let parameters: Vec<usize> = self.parts.parameters.iter().map(|p| p.input).collect();
             let wrong = match kind {
                 DefinitionKind::Definition => continue,
-                DefinitionKind::Prescribed => self.depends(typed.expr, |i| i != time && !parameters.contains(&i)),
-                DefinitionKind::Parameter => self.depends(typed.expr, |i| !parameters.contains(&i)),
+                DefinitionKind::Prescribed => self.depends(typed.expr, Kinds::TIME.or(Kinds::PARAMETER).not()),
+                DefinitionKind::Parameter => self.depends(typed.expr, Kinds::PARAMETER.not()),
             };
             if let Some(input) = wrong {
                 let (name, symbol) = match self.low.symbols.by_name.get_index(symbol) {
@@ -216,13 +215,9 @@ impl<'s, 'g> Builder<'s, 'g> {
         }
     }
 
-    /// The name of an input for which `wrong` holds and on which an expression depends.
-    pub(crate) fn depends(&self, e: Expr<'g>, wrong: impl Fn(usize) -> bool) -> Option<String> {
-        let Expr::Node(graph, id) = e else { return None };
-        let needed = graph.needed(&[id]);
-        (0..graph.input_count())
-            .find(|&i| wrong(i) && needed.get(graph.input_id(i).index()).copied().unwrap_or(false))
-            .map(|i| graph.input_name(i))
+    /// The name of an input of one of the kinds on which an expression depends.
+    pub(crate) fn depends(&mut self, e: Expr<'g>, wrong: Kinds) -> Option<String> {
+        self.low.dependence.name(e, wrong)
     }
 
     pub(crate) fn prescribed(&mut self) {

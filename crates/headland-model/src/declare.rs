@@ -7,6 +7,7 @@ use rustc_hash::FxHashMap;
 use std::sync::Arc;
 
 use crate::build::{Builder, Made};
+use crate::depend::Kinds;
 use crate::dimension::Dimension;
 use crate::lower::{Reported, per_time};
 use crate::model::{Coordinate, Parameter, QuasiVelocity};
@@ -183,8 +184,7 @@ impl<'g> Builder<'_, 'g> {
         for (i, value) in values.iter().enumerate() {
             let name = member_name(&entry.key, if array { i as i64 + 1 } else { 0 });
             let (x, dimension, angle) = self.literal(value, &free)?;
-            let input = self.low.graph.input(&name);
-            let id = self.low.graph.id(input);
+            let id = self.low.dependence.input(self.low.graph, &name, Kinds::PARAMETER);
             let index = self.low.graph.input_count() - 1;
             self.parts.parameters.push(Parameter { name, input: index, value: x, unit: String::new() });
             members.push((id, dimension, angle));
@@ -222,18 +222,16 @@ impl<'g> Builder<'_, 'g> {
     }
 
     /// Value of an expression of parameters.
-    pub(crate) fn evaluate(&self, e: Expr<'g>) -> Option<f64> {
+    pub(crate) fn evaluate(&mut self, e: Expr<'g>) -> Option<f64> {
         let x = match e {
             Expr::Const(x) => x,
             Expr::Node(graph, id) => {
-                let mut known = vec![false; graph.input_count()];
+                if self.low.dependence.any(e, Kinds::PARAMETER.not()) {
+                    return None;
+                }
                 let mut inputs = vec![f64::NAN; graph.input_count()];
                 for p in &self.parts.parameters {
-                    known[p.input] = true;
                     inputs[p.input] = p.value;
-                }
-                if graph.depends(&[id], |i| !known[i])[0] {
-                    return None;
                 }
                 graph.eval(&[id], &inputs)[0]
             }
@@ -291,13 +289,16 @@ impl<'g> Builder<'_, 'g> {
             let base = self.low.coordinates.len();
             for member in if count == 0 { 0..=0 } else { 1..=count } {
                 let name = member_name(&name, member);
-                let input = |suffix: &str| self.low.graph.id(self.low.graph.input(&format!("{name}{suffix}")));
+                let graph = self.low.graph;
+                let mut input = |suffix: &str, kind| self.low.dependence.input(graph, &format!("{name}{suffix}"), kind);
+                let (q, rate) = (input("", Kinds::COORDINATE), input("'", Kinds::RATE));
+                let acceleration = input("''", Kinds::ACCELERATION);
                 self.low.coordinates.push(Coordinate {
                     unit: dimension.unit(angle),
                     rate_unit: per_time(&dimension, 1).unit(angle),
-                    q: input(""),
-                    rate: input("'"),
-                    acceleration: input("''"),
+                    q,
+                    rate,
+                    acceleration,
                     initial: None,
                     initial_rate: None,
                     scale: 1.0,
@@ -316,11 +317,13 @@ impl<'g> Builder<'_, 'g> {
             let base = self.low.quasi_velocities.len();
             for member in if count == 0 { 0..=0 } else { 1..=count } {
                 let name = member_name(&name, member);
-                let input = |suffix: &str| self.low.graph.id(self.low.graph.input(&format!("{name}{suffix}")));
+                let graph = self.low.graph;
+                let u = self.low.dependence.input(graph, &name, Kinds::QUASI);
+                let acceleration = self.low.dependence.input(graph, &format!("{name}'"), Kinds::ACCELERATION);
                 self.low.quasi_velocities.push(QuasiVelocity {
                     unit: dimension.unit(angle),
-                    u: input(""),
-                    acceleration: input("'"),
+                    u,
+                    acceleration,
                     initial: None,
                     scale: 1.0,
                     place: entry.key_place.clone(),

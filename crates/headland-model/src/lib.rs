@@ -38,6 +38,7 @@
 
 pub mod build;
 mod declare;
+pub mod depend;
 pub mod dimension;
 pub mod format;
 pub mod lower;

@@ -9,6 +9,7 @@ use headland_expr::parse::{Comparison, Item, Program, parse, suggestion};
 use headland_expr::{Expr, Graph, NodeId, Op, Scalar};
 use rustc_hash::FxHashMap;
 
+use crate::depend::{Dependence, Kinds};
 use crate::dimension::{Dimension, Ratio, Unifier};
 use crate::model::{Coordinate, QuasiVelocity};
 use crate::place::{Diagnostic, Place};
@@ -71,6 +72,8 @@ pub struct Lowering<'g> {
     pub quasi_velocities: Vec<QuasiVelocity>,
     /// Dimension of each quasi-velocity and whether it counts angles.
     pub quasi_types: Vec<(Dimension, bool)>,
+    /// What expressions depend on.
+    pub dependence: Dependence,
     /// What is known about literals.
     pub unifier: Unifier,
     /// What is wrong so far.
@@ -90,7 +93,8 @@ pub struct Reported;
 impl<'g> Lowering<'g> {
     /// Nothing known but the time.
     pub fn new(graph: &'g Graph) -> Self {
-        let time = graph.id(graph.input("t"));
+        let mut dependence = Dependence::default();
+        let time = dependence.input(graph, "t", Kinds::TIME);
         let mut symbols = Symbols::default();
         symbols.by_name.insert("t".into(), Symbol::Time);
         Self {
@@ -102,6 +106,7 @@ impl<'g> Lowering<'g> {
             quasi_velocities: Vec::new(),
             quasi_types: Vec::new(),
             unifier: Unifier::default(),
+            dependence,
             diagnostics: Vec::new(),
             declared: FxHashMap::default(),
             instances: FxHashMap::default(),
@@ -362,7 +367,8 @@ impl<'g> Lowering<'g> {
                 }
             }
             Symbol::Coordinate(_, n) | Symbol::QuasiVelocity(_, n) => *n,
-            Symbol::Definition(rules, _) => rules.keys().copied().max().unwrap_or(0),
+            Symbol::Definition(rules, _) if rules.contains_key(&0) => 0,
+            Symbol::Definition(rules, _) => rules.len() as i64,
             _ => 0,
         };
         if member == 0 && index.is_none() && count > 0 {
@@ -377,6 +383,8 @@ impl<'g> Lowering<'g> {
             _ => index.is_some() && !(1..=count).contains(&member),
         };
         if missing {
+            let last = |rules: &FxHashMap<i64, Rule>| rules.keys().copied().max().unwrap_or(0);
+            let count = if let Symbol::Definition(rules, _) = kind { last(rules) } else { count };
             return Err(self.report(place, format!("`{name}[{member}]` does not exist; members run from 1 to {count}")));
         }
         let wrong_prime = |kind: &Symbol| format!("`{name}` is {}: it has no rate", kind.kind());
@@ -463,13 +471,7 @@ impl<'g> Lowering<'g> {
             for u in &self.quasi_velocities {
                 rate.insert(input(u.u), u.acceleration);
             }
-            let accelerations: Vec<usize> = self
-                .coordinates
-                .iter()
-                .map(|c| input(c.acceleration))
-                .chain(self.quasi_velocities.iter().map(|u| input(u.acceleration)))
-                .collect();
-            if self.graph.depends(&[id], |i| accelerations.contains(&i))[0] {
+            if self.dependence.any(e, Kinds::ACCELERATION) {
                 let what = if order == 0 { "it" } else { "its rate" };
                 return Err(format!("{what} contains accelerations, whose rates are not known"));
             }

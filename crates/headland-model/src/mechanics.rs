@@ -1,9 +1,9 @@
 //! Kinematics, constraints and elements of a scene, with their structures and dimensions checked.
 
 use headland_expr::parse::{Program, suggestion};
-use headland_expr::{Graph, NodeId};
 
 use crate::build::{Builder, Made, bound_name};
+use crate::depend::Kinds;
 use crate::dimension::{Dimension, Ratio};
 use crate::lower::{Typed, per_time};
 use crate::model::{Element, ElementKind, KinematicRow, RowForm, StructureForm};
@@ -80,15 +80,7 @@ impl<'g> Builder<'_, 'g> {
     }
 
     pub(crate) fn no_accelerations(&mut self, typed: &Typed<'g>, place: &Place, what: &str) -> Made<()> {
-        let accelerations: Vec<usize> = self
-            .low
-            .coordinates
-            .iter()
-            .map(|c| c.acceleration)
-            .chain(self.low.quasi_velocities.iter().map(|u| u.acceleration))
-            .map(|id| self.low.graph.node(id).args[0] as usize)
-            .collect();
-        match self.depends(typed.expr, |i| accelerations.contains(&i)) {
+        match self.depends(typed.expr, Kinds::ACCELERATION) {
             None => Ok(()),
             Some(input) => {
                 let message = format!(
@@ -223,23 +215,19 @@ impl<'g> Builder<'_, 'g> {
         value_formula: &Formula,
         formula: &Formula,
     ) -> Made<()> {
-        let input = |graph: &Graph, id: NodeId| graph.node(id).args[0] as usize;
-        let graph = self.low.graph;
         self.no_accelerations(structure, &formula.place, &format!("the structure of `{name}`"))?;
         self.no_accelerations(value, &value_formula.place, &format!("the value of `{name}`"))?;
-        let rates: Vec<usize> = self.low.coordinates.iter().map(|c| input(graph, c.rate)).collect();
-        let quasi: Vec<usize> = self.low.quasi_velocities.iter().map(|u| input(graph, u.u)).collect();
         let (wrong, advice) = match form {
             StructureForm::Geometric => (
-                self.depends(structure.expr, |i| rates.contains(&i) || quasi.contains(&i)),
+                self.depends(structure.expr, Kinds::RATE.or(Kinds::QUASI)),
                 "a geometric structure d(q, t) has no velocities; give `implicit` (by q') or `explicit` (by u)",
             ),
             StructureForm::Implicit => (
-                self.depends(structure.expr, |i| quasi.contains(&i)),
+                self.depends(structure.expr, Kinds::QUASI),
                 "an implicit structure d'(q, q', t) has no quasi-velocities; give `explicit`",
             ),
             StructureForm::Explicit => (
-                self.depends(structure.expr, |i| rates.contains(&i)),
+                self.depends(structure.expr, Kinds::RATE),
                 "an explicit structure d'(q, u, t) has no rates of coordinates; give `implicit`",
             ),
         };
@@ -248,10 +236,8 @@ impl<'g> Builder<'_, 'g> {
                 .low
                 .report(formula.place.clone(), format!("the structure of `{name}` depends on `{input}`: {advice}")));
         }
-        if kind != ElementKind::Force {
-            let parameters: Vec<usize> = self.parts.parameters.iter().map(|p| p.input).collect();
-            let constant = matches!(kind, ElementKind::Inertia | ElementKind::Elastic);
-            let wrong = self.depends(value.expr, |i| constant && !parameters.contains(&i));
+        if matches!(kind, ElementKind::Inertia | ElementKind::Elastic) {
+            let wrong = self.depends(value.expr, Kinds::PARAMETER.not());
             if let Some(input) = wrong {
                 let message =
                     format!("the value of `{name}` depends on `{input}`; it must be constant (made of parameters)");

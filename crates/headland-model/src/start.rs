@@ -1,9 +1,9 @@
 //! Initial values and scales of a scene's states.
 
-use headland_expr::NodeId;
 use headland_expr::parse::suggestion;
 
 use crate::build::{Builder, Made};
+use crate::depend::Kinds;
 use crate::dimension::Dimension;
 use crate::lower::{Typed, per_time};
 use crate::place::Place;
@@ -66,13 +66,9 @@ impl<'g> Builder<'_, 'g> {
 
     /// An initial value is made of parameters and the starting time; one of a velocity also of the coordinates.
     fn known_at_start(&mut self, typed: &Typed<'g>, is_coordinate: bool, formula: &Formula, what: &str) -> Made<()> {
-        let input = |id: NodeId| self.low.graph.node(id).args[0] as usize;
-        let mut known: Vec<usize> = self.parts.parameters.iter().map(|p| p.input).collect();
-        known.push(input(self.low.time));
-        if !is_coordinate {
-            known.extend(self.low.coordinates.iter().map(|c| input(c.q)));
-        }
-        let message = match (self.depends(typed.expr, |i| !known.contains(&i)), typed.expr.value()) {
+        let known = Kinds::PARAMETER.or(Kinds::TIME);
+        let known = if is_coordinate { known } else { known.or(Kinds::COORDINATE) };
+        let message = match (self.depends(typed.expr, known.not()), typed.expr.value()) {
             (Some(name), _) => {
                 format!("{what} is made of what is known at the start, but `{}` depends on `{name}`", formula.text)
             }

@@ -57,7 +57,7 @@ fn mirrored_differences_and_signs() {
     check(c + (b - a), "c - (a - b)", "c - \\left(a - b\\right)");
     check(Expr::Const(-3.0) * a - b, "-(b + 3*a)", "-\\left(b + 3\\,a\\right)");
     check(c - Expr::Const(-3.0) * a, "c + 3*a", "c + 3\\,a");
-    check(c * (Expr::Const(-3.0) / a), "-c*3/a", "-c\\,\\frac{3}{a}");
+    check(c * (Expr::Const(-3.0) / a), "-3*c/a", "-\\frac{3\\,c}{a}");
 }
 
 #[test]
