@@ -5,13 +5,15 @@ use std::fmt::Write;
 use headland::model::ElementKind;
 use headland::{DeriveOptions, derive};
 
-use crate::load::load;
+use crate::load::{derive_failure, load};
 use crate::{Failure, SceneArgs, print};
 
 pub(crate) fn check(args: &SceneArgs) -> Result<(), Failure> {
     let model = load(args, &[])?;
-    let equations = derive(&model, &DeriveOptions { compare: true, ..DeriveOptions::default() })?;
-    let start = headland::dynamics::initial_velocities(&model, &equations.kinematics)?;
+    let equations = derive(&model, &DeriveOptions { compare: true, ..DeriveOptions::default() })
+        .map_err(|e| derive_failure(&model, &e))?;
+    let start = headland::dynamics::initial_velocities(&model, &equations.kinematics)
+        .map_err(|e| derive_failure(&model, &e))?;
     let mut text = String::new();
     let count = |kind| model.count(kind);
     let _ = writeln!(text, "model      {}", model.title);

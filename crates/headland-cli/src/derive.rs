@@ -3,7 +3,7 @@
 use clap::{Args, ValueEnum};
 use headland::{Algorithm, DeriveOptions, Form, equations_text};
 
-use crate::load::load;
+use crate::load::{derive_failure, load};
 use crate::{Failure, FormArg, SceneArgs, print};
 
 #[derive(Args)]
@@ -33,7 +33,8 @@ pub(crate) fn derive(args: &DeriveArgs) -> Result<(), Failure> {
         Some(AlgorithmArg::Direct) => Algorithm::Direct,
         Some(AlgorithmArg::Combine) => Algorithm::Combine,
     };
-    let equations = headland::derive(&model, &DeriveOptions { algorithm, ..DeriveOptions::default() })?;
+    let equations = headland::derive(&model, &DeriveOptions { algorithm, ..DeriveOptions::default() })
+        .map_err(|e| derive_failure(&model, &e))?;
     let form = match args.form {
         FormArg::Text => Form::Text,
         FormArg::Latex => Form::Latex,

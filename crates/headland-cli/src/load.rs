@@ -1,8 +1,18 @@
 //! A scene file with settings, as a model.
 
-use headland::{Model, Scene};
+use headland::model::Diagnostic;
+use headland::{DeriveError, Model, Scene};
 
 use crate::{Failure, SceneArgs};
+
+/// A derivation that failed, shown at its place in the scene.
+pub(crate) fn derive_failure(model: &Model, error: &DeriveError) -> Failure {
+    let message = error.to_string();
+    Failure::Input(match error.place(model) {
+        Some(place) => model.source.show(&Diagnostic { place, message }),
+        None => message,
+    })
+}
 
 /// Reads the file, applies `--set`, checks.
 pub(crate) fn load(args: &SceneArgs, settings: &[(String, String)]) -> Result<Model, Failure> {

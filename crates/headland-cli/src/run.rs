@@ -4,10 +4,10 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use headland::{Model, Run, RunOptions, Status};
+use headland::{Model, Run, RunError, RunOptions, Status};
 
 use crate::files::{summary, write_csv, write_plots, write_summary};
-use crate::load::load;
+use crate::load::{derive_failure, load};
 use crate::progress::Progress;
 use crate::table::table;
 use crate::{Failure, SceneArgs, print};
@@ -64,7 +64,10 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let mut progress = Progress::new(options.from, options.until, args.json);
     let result = headland::run(&model, &options, &mut progress);
     progress.finish();
-    let result = result?;
+    let result = result.map_err(|e| match e {
+        RunError::Derive(error) => derive_failure(&model, &error),
+        other => other.into(),
+    })?;
 
     // Whatever was computed is on disk before anything is said about how it ended.
     write_csv(&folder.join("trajectory.csv"), &result.trajectory)?;

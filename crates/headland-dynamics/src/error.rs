@@ -1,5 +1,7 @@
 //! [`DeriveError`]: why a model has no equations of motion.
 
+use headland_model::{Model, Place};
+
 /// Why the equations of motion could not be derived.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -119,4 +121,28 @@ pub enum DeriveError {
         /// Why.
         reason: String,
     },
+}
+
+impl DeriveError {
+    /// Where the scene says what is wrong: the place of the element, constraint or state that the error names.
+    pub fn place(&self, model: &Model) -> Option<Place> {
+        let element = |name: &str| model.elements.iter().find(|e| e.name == name).map(|e| e.place.clone());
+        let row = |name: &str| model.kinematics.iter().find(|r| r.name == name).map(|r| r.place.clone());
+        let state = |name: &str| {
+            let base = name.trim_end_matches('\'');
+            let coordinate = model.coordinates.iter().find(|c| c.name == base).map(|c| c.place.clone());
+            coordinate.or_else(|| model.quasi_velocities.iter().find(|u| u.name == base).map(|u| u.place.clone()))
+        };
+        match self {
+            Self::ScalarInertia { name, .. } => element(name),
+            Self::SingularConstraint { name, .. } => row(name),
+            Self::SingularMass { name, .. } | Self::InconsistentStart { name, .. } => state(name),
+            Self::TooFewInitialRates { missing, .. } => state(missing.trim_matches('`')),
+            Self::NotLinear { what, .. } => {
+                let name = what.split('`').nth(1)?;
+                element(name).or_else(|| row(name)).or_else(|| row(&format!("{name}'")))
+            }
+            _ => None,
+        }
+    }
 }

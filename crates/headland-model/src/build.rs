@@ -141,6 +141,7 @@ impl<'s, 'g> Builder<'s, 'g> {
             self.plots();
         }
         self.run_settings();
+        self.array_lengths();
         self.warn();
     }
 
@@ -228,7 +229,7 @@ impl<'s, 'g> Builder<'s, 'g> {
                 if let Ok(typed) = self.low.definition(symbol, member) {
                     let name = member_name(&key.name, member);
                     if self.parts.prescribed.iter().all(|p| p.name != name) {
-                        let quantity = self.quantity(name, typed);
+                        let quantity = self.quantity(name, typed, entry.value.place.clone());
                         self.parts.prescribed.push(quantity);
                     }
                 }
@@ -236,9 +237,20 @@ impl<'s, 'g> Builder<'s, 'g> {
         }
     }
 
-    pub(crate) fn quantity(&mut self, name: String, typed: Typed<'g>) -> Quantity {
+    pub(crate) fn quantity(&mut self, name: String, typed: Typed<'g>, place: Place) -> Quantity {
         let unit = self.low.unifier.resolve(&typed.dimension).unit(typed.angle);
-        Quantity { name, unit, factor: 1.0, node: self.low.graph.id(typed.expr) }
+        Quantity { name, unit, factor: 1.0, node: self.low.graph.id(typed.expr), place }
+    }
+
+    /// An array used as `m[k]` has as many members as `k`: one that is longer belongs to another machine.
+    pub(crate) fn array_lengths(&mut self) {
+        for entry in self.scene.section("parameters") {
+            let Some((index, n)) = self.low.indexed.get(&entry.key).cloned() else { continue };
+            let Some(length) = self.low.symbols.lengths.get(&entry.key).copied().filter(|l| *l > n) else { continue };
+            let message =
+                format!("`{}` has {length} members, but the index `{index}` has {n}; they must agree", entry.key);
+            self.low.report(entry.value.place.clone(), message);
+        }
     }
 
     pub(crate) fn warn(&mut self) {
@@ -264,9 +276,9 @@ impl<'s, 'g> Builder<'s, 'g> {
         }
         self.parts.definitions = std::mem::take(&mut self.low.made)
             .into_iter()
-            .map(|(name, node, dimension, angle)| {
-                let unit = self.low.unifier.resolve(&dimension).unit(angle);
-                Quantity { name, unit, factor: 1.0, node }
+            .map(|made| {
+                let unit = self.low.unifier.resolve(&made.dimension).unit(made.angle);
+                Quantity { name: made.name, unit, factor: 1.0, node: made.id, place: made.place }
             })
             .collect();
         self.parts.coordinates = std::mem::take(&mut self.low.coordinates);

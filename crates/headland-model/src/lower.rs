@@ -3,6 +3,7 @@
 //! Nothing recurses over expressions: a program is run on a stack, and definitions are walked with an explicit one, so
 //! that a train of thousands of members is no deeper than one of three.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use headland_expr::parse::{Comparison, Item, Program, parse, suggestion};
@@ -82,8 +83,25 @@ pub struct Lowering<'g> {
     pub declared: FxHashMap<String, (Dimension, bool)>,
     instances: FxHashMap<Instance, State<'g>>,
     derivatives: FxHashMap<(NodeId, u8), Expr<'g>>,
+    /// Arrays used as `name[k]`, with the index and its number of members.
+    pub indexed: BTreeMap<String, (Arc<str>, i64)>,
     /// Definitions made, in order.
-    pub made: Vec<(String, NodeId, Dimension, bool)>,
+    pub made: Vec<Made>,
+}
+
+/// A definition that was made.
+#[derive(Clone, Debug)]
+pub struct Made {
+    /// Name with index.
+    pub name: String,
+    /// Its expression.
+    pub id: NodeId,
+    /// Its dimension.
+    pub dimension: Dimension,
+    /// True for an angle.
+    pub angle: bool,
+    /// Where it was written.
+    pub place: Place,
 }
 
 /// Marks that the reason was reported.
@@ -111,6 +129,7 @@ impl<'g> Lowering<'g> {
             declared: FxHashMap::default(),
             instances: FxHashMap::default(),
             derivatives: FxHashMap::default(),
+            indexed: BTreeMap::new(),
             made: Vec::new(),
         }
     }
@@ -225,7 +244,14 @@ impl<'g> Lowering<'g> {
             typed = Typed { dimension, angle, ..typed };
         }
         let id = self.graph.id(typed.expr);
-        self.made.push((self.instance_name(instance), id, typed.dimension.clone(), typed.angle));
+        let name = self.instance_name(instance);
+        self.made.push(Made {
+            name,
+            id,
+            dimension: typed.dimension.clone(),
+            angle: typed.angle,
+            place: rule.formula.place,
+        });
         Ok(typed)
     }
 
@@ -371,11 +397,12 @@ impl<'g> Lowering<'g> {
             Symbol::Definition(rules, _) => rules.len() as i64,
             _ => 0,
         };
-        if member == 0 && index.is_none() && count > 0 {
+        let family = count > 0 || matches!(kind, Symbol::Parameter(_, true));
+        if index.is_none() && family {
             return Err(self
                 .report(place, format!("`{name}` has {count} members; which one? Write `{name}[1]` or `{name}[k]`")));
         }
-        if index.is_some() && count == 0 {
+        if index.is_some() && !family {
             return Err(self.report(place, format!("`{name}` is {} without members; it takes no index", kind.kind())));
         }
         let missing = match kind {
@@ -395,7 +422,14 @@ impl<'g> Lowering<'g> {
                 angle: false,
                 condition: false,
             }),
-            Symbol::Parameter(values, _) if primes == 0 => {
+            Symbol::Parameter(values, array) if primes == 0 => {
+                if *array
+                    && let Some(Item::Name { name: variable, index: None, .. }) = index.and_then(|i| i.items.first())
+                    && index.is_some_and(|i| i.items.len() == 1)
+                    && let Some((variable, Symbol::Index(n))) = self.symbols.by_name.get_key_value(variable.as_str())
+                {
+                    self.indexed.insert(name.to_string(), (variable.clone(), *n));
+                }
                 let (id, dimension, angle) = values[member.max(1) as usize - 1].clone();
                 Ok(Typed { expr: self.graph.expr(id), dimension, angle, condition: false })
             }

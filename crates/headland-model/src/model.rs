@@ -135,6 +135,8 @@ pub struct Quantity {
     pub factor: f64,
     /// The expression, in SI units.
     pub node: NodeId,
+    /// Where it was written.
+    pub place: Place,
 }
 
 /// A limit of validity.

@@ -59,6 +59,18 @@ impl Source {
         (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
     }
 
+    /// `file:line:column`, or the setting.
+    pub fn locate(&self, place: &Place) -> String {
+        match place {
+            Place::File(range) => {
+                let (line, column) = self.position(range.start);
+                format!("{}:{line}:{column}", self.name)
+            }
+            Place::Setting(text) => format!("`{text}`"),
+            Place::Program => self.name.clone(),
+        }
+    }
+
     /// `file:line:column: message`, the line and a mark under the place.
     pub fn show(&self, diagnostic: &Diagnostic) -> String {
         match &diagnostic.place {

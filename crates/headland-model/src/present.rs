@@ -16,9 +16,11 @@ impl<'g> Builder<'_, 'g> {
         match self.scene.get("outputs", "columns").map(|v| (&v.data, &v.place)) {
             None => {
                 let graph = self.low.graph;
-                let q = self.low.coordinates.iter().map(|c| (c.name.clone(), c.unit.clone(), c.q));
-                let u = self.low.quasi_velocities.iter().map(|u| (u.name.clone(), u.unit.clone(), u.u));
-                let outputs = q.chain(u).map(|(name, unit, node)| Quantity { name, unit, factor: 1.0, node });
+                let q = self.low.coordinates.iter().map(|c| (c.name.clone(), c.unit.clone(), c.q, c.place.clone()));
+                let u = self.low.quasi_velocities.iter();
+                let u = u.map(|u| (u.name.clone(), u.unit.clone(), u.u, u.place.clone()));
+                let outputs =
+                    q.chain(u).map(|(name, unit, node, place)| Quantity { name, unit, factor: 1.0, node, place });
                 self.parts.outputs = outputs.collect();
                 if self.low.quasi_velocities.is_empty() {
                     let rates = self.low.coordinates.iter();
@@ -27,6 +29,7 @@ impl<'g> Builder<'_, 'g> {
                         unit: c.rate_unit.clone(),
                         factor: 1.0,
                         node: c.rate,
+                        place: c.place.clone(),
                     }));
                 }
                 let _ = graph;
@@ -61,7 +64,7 @@ impl<'g> Builder<'_, 'g> {
         for binding in self.members_of(&[&formula], &value.place)? {
             let typed = self.low.lower(&formula, &binding)?;
             let name = bound_name(expression.trim(), &binding);
-            let mut quantity = self.quantity(name, typed.clone());
+            let mut quantity = self.quantity(name, typed.clone(), value.place.clone());
             if let Some((unit, text)) = &unit {
                 self.low.demand(
                     &typed,

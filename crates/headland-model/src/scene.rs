@@ -161,7 +161,7 @@ impl Scene {
     /// If the name is not there (with a suggestion) or the value cannot be read.
     pub fn set(&mut self, name: &str, text: &str) -> Result<(), ModelError> {
         let place = Place::Setting(format!("--set {name}={text}").into());
-        let value = read_setting(text.trim(), &place);
+        let value = read_setting(text.trim(), &place, 0);
         let source = self.source.clone();
         match self.find(name.trim()) {
             Found::Value(slot) => {
@@ -226,6 +226,13 @@ impl Scene {
                 break;
             }
         }
+        // a member of a family that has only a rule so far
+        let family = |e: &Entry| e.key.split_once('[').is_some_and(|(b, _)| b == base);
+        if let (None, Some(_)) = (at, member)
+            && let Some(section) = SEARCHED.iter().find(|s| self.section(s).iter().any(family))
+        {
+            return Found::Missing((*section).into(), name.into());
+        }
         let Some((section, i, member)) = at else {
             let names: Vec<&str> = SEARCHED.iter().flat_map(|s| self.section(s)).map(|e| e.key.as_str()).collect();
             let hint = headland_expr::parse::suggestion(name, names);
@@ -246,11 +253,12 @@ enum Found<'s> {
     Nothing(String),
 }
 
-/// A value as written on a command line.
-fn read_setting(text: &str, place: &Place) -> Value {
-    let data = if let Some(inner) = text.strip_prefix('[').and_then(|t| t.strip_suffix(']')) {
+/// A value as written on a command line; what is nested deeper than any section wants stays a text.
+fn read_setting(text: &str, place: &Place, depth: usize) -> Value {
+    let array = text.strip_prefix('[').and_then(|t| t.strip_suffix(']')).filter(|_| depth < 4);
+    let data = if let Some(inner) = array {
         let items = split_top_level(inner);
-        Data::Array(items.into_iter().map(|item| read_setting(item, place)).collect())
+        Data::Array(items.into_iter().map(|item| read_setting(item, place, depth + 1)).collect())
     } else if let Ok(x) = text.parse::<f64>() {
         Data::Number(x)
     } else if text == "true" || text == "false" {

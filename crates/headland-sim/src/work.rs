@@ -75,10 +75,12 @@ impl Work {
     pub(crate) fn blame(&self, model: &Model, equations: &Equations) -> Option<String> {
         let (t, y) = self.problem.not_finite.as_ref()?;
         let inputs = self.model_inputs(model, *t, y);
-        let definitions = model.definitions.iter().map(|d| (format!("`{}`", d.name), d.node));
-        let values = model.elements.iter().map(|e| (format!("the value of `{}`", e.name), e.value));
+        let at = |place: &headland_model::Place| model.source.locate(place);
+        let definitions = model.definitions.iter().map(|d| (format!("`{}` ({})", d.name, at(&d.place)), d.node));
+        let values = model.elements.iter();
+        let values = values.map(|e| (format!("the value of `{}` ({})", e.name, at(&e.place)), e.value));
         let rates = model.elements.iter().zip(&equations.structure_rates);
-        let rates = rates.map(|(e, rate)| (format!("the rate of the structure of `{}`", e.name), *rate));
+        let rates = rates.map(|(e, r)| (format!("the rate of the structure of `{}` ({})", e.name, at(&e.place)), *r));
         let all: Vec<(String, headland_expr::NodeId)> = definitions.chain(values).chain(rates).collect();
         let nodes: Vec<headland_expr::NodeId> = all.iter().map(|(_, n)| *n).collect();
         let found = model.graph.eval(&nodes, &inputs);
