@@ -79,14 +79,10 @@ impl Source {
                 let text = self.text.lines().nth(line - 1).unwrap_or("");
                 let width = self.text.get(range.clone()).map_or(1, |s| s.lines().next().unwrap_or("").chars().count());
                 let gutter = line.to_string().len();
-                let mark = "^".repeat(width.clamp(1, 120));
+                let mark = " ".repeat(column - 1) + &"^".repeat(width.clamp(1, 120));
                 format!(
-                    "{}:{line}:{column}: {}\n{line} | {text}\n{:gutter$} | {:indent$}{mark}",
-                    self.name,
-                    diagnostic.message,
-                    "",
-                    "",
-                    indent = column - 1
+                    "{}:{line}:{column}: {}\n{line} | {text}\n{:gutter$} | {mark}",
+                    self.name, diagnostic.message, ""
                 )
             }
             Place::Setting(text) => format!("`{text}`: {}", diagnostic.message),

@@ -9,6 +9,7 @@ use headland_model::Model;
 use crate::options::{RunError, RunOptions};
 use crate::record::Recorder;
 use crate::report::{Observer, RunReport, Silent, Trajectory};
+use crate::schedule::Schedule;
 use crate::system::System;
 use crate::time_loop::TimeLoop;
 
@@ -32,6 +33,7 @@ pub fn run(model: &Model, options: &RunOptions, observer: &mut dyn Observer) -> 
     let derive_s = clock.elapsed().as_secs_f64();
     let clock = Instant::now();
     let system = Rc::new(System::new(model, &equations));
+    let schedule = Rc::new(Schedule::new(&system, options));
     let compile_s = clock.elapsed().as_secs_f64();
 
     let mut times = Vec::new();
@@ -41,7 +43,7 @@ pub fn run(model: &Model, options: &RunOptions, observer: &mut dyn Observer) -> 
         let watcher: &mut dyn Observer = if repeat == 0 { &mut *observer } else { &mut silent };
         let mut recorder = Recorder::new(model, options);
         let clock = Instant::now();
-        let mut time_loop = TimeLoop::new(model, &equations, system.clone(), options)?;
+        let mut time_loop = TimeLoop::new(model, &equations, system.clone(), schedule.clone(), options)?;
         time_loop.run(&mut recorder, watcher);
         let ending = time_loop.end();
         times.push(clock.elapsed().as_secs_f64() - ending.derive_s - ending.compile_s);

@@ -24,7 +24,7 @@ pub(crate) struct TimeLoop<'m> {
     model: &'m Model,
     equations: Equations,
     options: &'m RunOptions,
-    schedule: Schedule,
+    schedule: Rc<Schedule>,
     work: Work,
     method: Method,
     why: String,
@@ -59,13 +59,13 @@ impl<'m> TimeLoop<'m> {
         model: &'m Model,
         equations: &Equations,
         system: Rc<System>,
+        schedule: Rc<Schedule>,
         options: &'m RunOptions,
     ) -> Result<Self, RunError> {
         let auto = options.method == "auto";
         let method = if auto { Method::Dop853 } else { Method::parse(&options.method)? };
         let why = if auto { "auto: explicit of order 8, for the motion does not look stiff" } else { "asked for" };
         let mut work = Work::new(system.clone(), method);
-        let schedule = Schedule::new(&system, options);
         let (a, b) = schedule.span(options.from);
         work.problem.set_span(a, b);
         Ok(Self {

@@ -74,7 +74,7 @@ fn jacobian(c: &mut Criterion) {
         let train = Train::new(n);
         let mut problem = Problem::new(system(&train), true);
         let (t, y) = (2.9, train.in_the_bend());
-        let entries = problem.pattern().expect("it was asked for").row_index().len();
+        let entries = problem.pattern().expect("it was asked for").nnz();
         let mut values = vec![0.0; entries];
         problem.jacobian(t, &y, &mut values).expect("evaluates");
         eprintln!("jacobian n = {n}: {entries} of {} entries", y.len() * y.len());
