@@ -99,7 +99,6 @@ fn list(model: &Model, equations: &Equations, style: Style) -> String {
     }
 
     let mut roots = entries.rates.clone();
-    let kinematic = roots.len();
     roots.extend(entries.structure.iter().filter(|(_, id)| is_operation(*id)).cloned());
     roots.extend(entries.mass);
     roots.extend(entries.force);
@@ -116,7 +115,6 @@ fn list(model: &Model, equations: &Equations, style: Style) -> String {
         let show = |n: &str| if style == Style::Latex { latex_name(n) } else { n.to_string() };
         let _ = writeln!(text, "{}", line(&show(name), &show(other), style));
     }
-    let _ = kinematic;
     for (name, expression) in &lines {
         let _ = writeln!(text, "{}", line(name, expression, style));
     }
@@ -125,7 +123,7 @@ fn list(model: &Model, equations: &Equations, style: Style) -> String {
         let _ = writeln!(text, "{comment} {how}: {} quasi-velocities", equations.kinematics.quasi.len());
     }
     if style == Style::Latex {
-        text = text.replacen("\\begin", "\\begin", 1) + "\\end{align*}\n";
+        text.push_str("\\end{align*}\n");
     }
     text
 }

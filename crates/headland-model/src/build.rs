@@ -262,17 +262,13 @@ impl<'s, 'g> Builder<'s, 'g> {
 
     /// Units are known when everything has been made.
     pub(crate) fn finish_units(&mut self) {
-        for (name, symbol) in &self.low.symbols.by_name {
-            if let Symbol::Parameter(values, array) = symbol {
-                for (i, (id, dimension, angle)) in values.iter().enumerate() {
-                    let input = self.low.graph.node(*id).args[0] as usize;
-                    let unit = self.low.unifier.resolve(dimension).unit(*angle);
-                    if let Some(p) = self.parts.parameters.iter_mut().find(|p| p.input == input) {
-                        p.unit = unit;
-                    }
-                    let _ = (name, array, i);
-                }
-            }
+        let values = self.low.symbols.by_name.values().filter_map(|symbol| match symbol {
+            Symbol::Parameter(values, _) => Some(values),
+            _ => None,
+        });
+        // Parameters were made in the order of their symbols.
+        for (parameter, (_, dimension, angle)) in self.parts.parameters.iter_mut().zip(values.flatten()) {
+            parameter.unit = self.low.unifier.resolve(dimension).unit(*angle);
         }
         self.parts.definitions = std::mem::take(&mut self.low.made)
             .into_iter()

@@ -16,6 +16,9 @@ use crate::scene::{Data, Entry, Value};
 use crate::symbols::{DefinitionKind, Rule, Symbol, member_name, parse_key};
 use crate::units::{parse_quantity, parse_unit};
 
+/// Rules by name and member; true for a fixed member, which goes before a family's rule.
+type Families = IndexMap<String, FxHashMap<i64, (bool, Rule)>>;
+
 impl<'g> Builder<'_, 'g> {
     pub(crate) fn declare(&mut self) {
         self.parts.time = Some(self.low.time);
@@ -342,22 +345,17 @@ impl<'g> Builder<'_, 'g> {
 
     /// Entries `name = expression`, `name[k+1] = expression`; a fixed member goes before a family's rule.
     pub(crate) fn rules(&mut self, entries: Vec<&Entry>, kind: DefinitionKind) {
-        let mut families: IndexMap<String, (FxHashMap<i64, (bool, Rule)>, Place)> = IndexMap::new();
+        let mut families = Families::new();
         for entry in entries {
             let _ = self.rule(entry, kind, &mut families);
         }
-        for (name, (rules, _)) in families {
+        for (name, rules) in families {
             let rules = rules.into_iter().map(|(member, (_, rule))| (member, rule)).collect();
             self.low.symbols.by_name.insert(name.as_str().into(), Symbol::Definition(rules, kind));
         }
     }
 
-    pub(crate) fn rule(
-        &mut self,
-        entry: &Entry,
-        kind: DefinitionKind,
-        families: &mut IndexMap<String, (FxHashMap<i64, (bool, Rule)>, Place)>,
-    ) -> Made<()> {
+    pub(crate) fn rule(&mut self, entry: &Entry, kind: DefinitionKind, families: &mut Families) -> Made<()> {
         let place = entry.key_place.clone();
         let mut key = match parse_key(&entry.key) {
             Ok(key) if key.primes == 0 => key,
@@ -375,7 +373,7 @@ impl<'g> Builder<'_, 'g> {
                 DefinitionKind::Definition => "a definition",
             };
             self.free_name(&key.name, &place, empty)?;
-            families.insert(key.name.clone(), (FxHashMap::default(), place.clone()));
+            families.insert(key.name.clone(), FxHashMap::default());
         }
         let formula = self.formula_of(&entry.value)?;
         if let Some(index) = &mut key.index
@@ -388,7 +386,7 @@ impl<'g> Builder<'_, 'g> {
             Err(message) => return Err(self.low.report(place, message)),
         };
         let single = key.index.is_none();
-        let Some((family, _)) = families.get_mut(&key.name) else { return Err(Reported) };
+        let Some(family) = families.get_mut(&key.name) else { return Err(Reported) };
         for (member, binding) in members {
             let fixed = binding.is_none();
             match family.get(&member) {

@@ -254,7 +254,7 @@ impl Unifier {
     ///
     /// # Errors
     /// Both, resolved, if nothing unknown is left and they differ.
-    pub fn unify(&mut self, a: &Dimension, b: &Dimension) -> Result<(), (Dimension, Dimension)> {
+    pub fn unify(&mut self, a: &Dimension, b: &Dimension) -> Result<(), Box<(Dimension, Dimension)>> {
         if a.unknown.is_empty() && b.unknown.is_empty() && a.known == b.known {
             return Ok(());
         }
@@ -266,7 +266,7 @@ impl Unifier {
                 Ok(())
             }
             None if difference.is_none() => Ok(()),
-            None => Err((a, b)),
+            None => Err(Box::new((a, b))),
         }
     }
 }

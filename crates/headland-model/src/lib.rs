@@ -36,11 +36,14 @@
 //! data, [`units`] and [`dimension`] know quantities, [`symbols`] the scene's names and families, [`lower`] turns
 //! expressions into the graph with their dimensions checked, [`build`] puts the [`Model`] together.
 
+mod agree;
 pub mod build;
 mod declare;
+mod definitions;
 pub mod depend;
 pub mod dimension;
 pub mod format;
+mod functions;
 pub mod lower;
 mod mechanics;
 pub mod model;

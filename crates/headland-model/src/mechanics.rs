@@ -273,7 +273,8 @@ impl<'g> Builder<'_, 'g> {
         let wanted = power - &factor;
         match self.low.unifier.unify(&value.dimension, &wanted) {
             Ok(()) => Ok(()),
-            Err((found, wanted)) => {
+            Err(conflict) => {
+                let (found, wanted) = *conflict;
                 let message = format!(
                     "the value of `{name}` of [[{section}]] should be {} [{}] for its structure, but `{}` is {} [{}]",
                     wanted.kind(false),

@@ -15,7 +15,6 @@ impl<'g> Builder<'_, 'g> {
     pub(crate) fn outputs(&mut self) {
         match self.scene.get("outputs", "columns").map(|v| (&v.data, &v.place)) {
             None => {
-                let graph = self.low.graph;
                 let q = self.low.coordinates.iter().map(|c| (c.name.clone(), c.unit.clone(), c.q, c.place.clone()));
                 let u = self.low.quasi_velocities.iter();
                 let u = u.map(|u| (u.name.clone(), u.unit.clone(), u.u, u.place.clone()));
@@ -32,7 +31,6 @@ impl<'g> Builder<'_, 'g> {
                         place: c.place.clone(),
                     }));
                 }
-                let _ = graph;
             }
             Some((Data::Array(values), _)) => {
                 for value in values {
@@ -249,7 +247,7 @@ impl<'g> Builder<'_, 'g> {
                     "from" => run.from = x,
                     "until" => run.until = x,
                     "tolerance" if positive && x < 1.0 => run.tolerance = x,
-                    "points" if x >= 1.0 && x <= 1e8 && x == x.round() => run.points = x as usize,
+                    "points" if (1.0..=1e8).contains(&x) && x == x.round() => run.points = x as usize,
                     "max_step" if positive => run.max_step = x,
                     _ => return Err(self.low.report(place, format!("`run.{key}` = {x} is out of range"))),
                 }

@@ -604,13 +604,7 @@ fn long_and_deep_input_is_read_or_refused() {
         text
     });
     assert!(build(&(with_expression(0, "x").replace("[definitions]\nd = \"x\"\n", "") + &chain)).is_ok());
-    for text in [
-        "[".repeat(deep),
-        "a = ".to_string() + &"[".repeat(deep),
-        "a.".repeat(deep),
-        "{".repeat(deep),
-        "\n".repeat(deep),
-    ] {
+    for text in ["[".repeat(deep), "a = ".to_string() + &"[".repeat(deep), "a.".repeat(deep), "{".repeat(deep)] {
         assert!(build(&text).is_err());
     }
     let _ = build(&format!("x = {}1{}", "[".repeat(deep), "]".repeat(deep)));

@@ -1,0 +1,77 @@
+//! The same scene gives the same bytes; the size of the equations grows with the machine, not faster.
+
+mod common;
+
+use common::{build, cartesian_train, derived, double_pendulum, prescribed_pivot, sleigh, train, turning_rails};
+use headland_dynamics::present::{Form, equations_text};
+use headland_expr::NodeId;
+use headland_model::Scene;
+
+fn scenes() -> Vec<Scene> {
+    vec![double_pendulum(), sleigh("geometric"), prescribed_pivot(), turning_rails(), train(3), cartesian_train(3)]
+}
+
+#[test]
+fn the_same_scene_gives_the_same_bytes() {
+    for scene in scenes() {
+        for form in [Form::Text, Form::Latex, Form::C] {
+            let text = || {
+                let model = build(&scene);
+                let equations = derived(&model);
+                equations_text(&model, &equations, form)
+            };
+            let first = text();
+            assert!(first.lines().count() > 5, "{first}");
+            assert_eq!(first, text());
+            let model = build(&scene);
+            let again = [derived(&model), derived(&model)].map(|e| equations_text(&model, &e, form));
+            assert_eq!(again[0], again[1], "derived twice over one graph");
+        }
+    }
+}
+
+/// Structs in LaTeX are balanced; nothing is left of a name that LaTeX or C cannot read.
+#[test]
+fn latex_is_balanced() {
+    for scene in scenes() {
+        let model = build(&scene);
+        let text = equations_text(&model, &derived(&model), Form::Latex);
+        let count = |c: char| text.matches(c).count();
+        assert_eq!(count('{'), count('}'), "{text}");
+        assert_eq!(text.matches("\\left").count(), text.matches("\\right").count(), "{text}");
+        assert_eq!(text.matches("\\begin{align*}").count(), 1, "{text}");
+        assert_eq!(text.matches("\\end{align*}").count(), 1, "{text}");
+        for line in text.lines().filter(|l| !l.starts_with(['%', '\\']) || l.contains("&=")) {
+            assert!(line.contains("&=") && line.ends_with("\\\\"), "{line}");
+        }
+    }
+}
+
+/// Text is read back by the scene format: each line is a definition of the names before it.
+#[test]
+fn text_names_are_defined_before_they_are_used() {
+    for scene in [double_pendulum(), sleigh("geometric"), turning_rails()] {
+        let model = build(&scene);
+        let text = equations_text(&model, &derived(&model), Form::Text);
+        for line in text.lines().filter(|l| !l.starts_with('#')) {
+            let Some((_, right)) = line.split_once(" = ") else { panic!("{line}") };
+            assert!(headland_expr::parse::parse(right).is_ok(), "{line}");
+        }
+    }
+}
+
+fn operations(scene: &Scene) -> f64 {
+    let model = build(scene);
+    let equations = derived(&model);
+    let accelerations = equations.accelerations.clone().unwrap_or_default();
+    let roots: Vec<NodeId> = equations.kinematics.rates.iter().copied().chain(accelerations).collect();
+    model.graph.operations(&roots) as f64
+}
+
+#[test]
+fn the_size_grows_linearly() {
+    let [a, b, c] = [8, 16, 32].map(|n| operations(&train(n)));
+    let (first, second) = ((b - a) / 8.0, (c - b) / 16.0);
+    assert!((second / first - 1.0).abs() < 0.1, "{a}, {b}, {c}: {first} then {second} operations a bogie");
+    assert!(c < 200.0 * 32.0, "{c} operations for 32 bogies");
+}
