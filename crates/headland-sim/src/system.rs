@@ -282,13 +282,13 @@ impl Problem {
     ///
     /// Roots are known to an ulp or two; the span is drawn in by four, so that no condition is seen from the other side.
     pub fn set_span(&mut self, from: f64, to: f64) {
-        let inward = 4.0 * f64::EPSILON;
-        self.span = (from + inward * from.abs(), to - inward * to.abs());
+        let inward = |t: f64| if t.is_finite() { 4.0 * f64::EPSILON * t.abs() } else { 0.0 };
+        self.span = (from + inward(from), to - inward(to));
     }
 
     /// `x = [t, y, u′]` with u′ zero.
     fn load(&mut self, t: f64, y: &[f64]) {
-        self.x[0] = if self.span.0 <= self.span.1 { t.clamp(self.span.0, self.span.1) } else { t };
+        self.x[0] = if self.span.0 <= self.span.1 { t.clamp(self.span.0, self.span.1) } else { 0.5 * (self.span.0 + self.span.1) };
         self.x[1..=y.len()].copy_from_slice(y);
     }
 

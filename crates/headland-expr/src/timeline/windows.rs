@@ -134,6 +134,8 @@ struct Search<'a> {
     budget: usize,
     /// Smallest and largest value sampled, a function each.
     sampled: Vec<(f64, f64)>,
+    /// Widest finite range met so far, a function each: it stands for one whose samples are all equal.
+    widest: Vec<f64>,
     open: BinaryHeap<Leaf>,
     done: Vec<Leaf>,
 }
@@ -145,6 +147,7 @@ impl<'a> Search<'a> {
             span,
             budget: BUDGET,
             sampled: vec![(f64::INFINITY, f64::NEG_INFINITY); tape.at(span.t0).len()],
+            widest: vec![0.0; tape.at(span.t0).len()],
             open: BinaryHeap::new(),
             done: Vec::new(),
         };
@@ -167,7 +170,8 @@ impl<'a> Search<'a> {
     /// Range of function `k` over all time as far as known; never so small that rounding looks like variation.
     fn total(&self, k: usize) -> f64 {
         let (lo, hi) = self.sampled[k];
-        if lo > hi { 0.0 } else { (hi - lo).max(1e-9 * lo.abs().max(hi.abs())) }
+        let total = if lo > hi { 0.0 } else { (hi - lo).max(1e-9 * lo.abs().max(hi.abs())) };
+        if total > 0.0 { total } else { self.widest[k] }
     }
 
     fn share(&self, rates: &[(f64, f64)]) -> f64 {
@@ -190,6 +194,11 @@ impl<'a> Search<'a> {
             (range, slope.min(range / width))
         };
         let rates: Vec<_> = ranges.iter().map(rate).collect();
+        for (widest, (range, _)) in self.widest.iter_mut().zip(&rates) {
+            if range.is_finite() {
+                *widest = widest.max(*range);
+            }
+        }
         let share = self.share(&rates);
         self.open.push(Leaf { start, end, rates, share });
     }

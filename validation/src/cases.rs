@@ -1,0 +1,41 @@
+//! The table of reference problems.
+
+mod nonholonomic;
+mod oscillators;
+mod pendulums;
+mod trains;
+
+use crate::case::Case;
+
+/// All problems whose method is built.
+pub fn cases() -> impl Iterator<Item = &'static Case> {
+    [trains::CASES, nonholonomic::CASES, pendulums::CASES, oscillators::CASES]
+        .into_iter()
+        .flatten()
+        .filter(|case| case.is_built())
+}
+
+/// A scene of `models/`, compiled in.
+macro_rules! model {
+    ($name:literal) => {
+        (concat!($name, ".toml"), include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../models/", $name, ".toml")))
+    };
+}
+/// A scene of `validation/scenes/`, compiled in.
+macro_rules! scene {
+    ($name:literal) => {
+        (concat!($name, ".toml"), include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/", $name, ".toml")))
+    };
+}
+/// A file of `validation/reference/`, compiled in.
+macro_rules! reference {
+    ($name:literal) => {
+        crate::reference::Reference::new(include_str!(concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/reference/",
+            $name,
+            ".json"
+        )))
+    };
+}
+pub(crate) use {model, reference, scene};

@@ -1,0 +1,140 @@
+//! Motions in closed form.
+
+use std::f64::consts::PI;
+
+use crate::case::Expected;
+
+/// Integral over `[0, t]` by Gauss' rule with three points on 4000 pieces.
+fn integral(t: f64, f: impl Fn(f64) -> f64) -> f64 {
+    const N: usize = 4000;
+    let h = t / N as f64;
+    let d = 0.6_f64.sqrt() / 2.0;
+    let piece = |i: usize| {
+        let m = (i as f64 + 0.5) * h;
+        h * (5.0 * f(m - d * h) + 8.0 * f(m) + 5.0 * f(m + d * h)) / 18.0
+    };
+    (0..N).map(piece).sum()
+}
+
+/// Chaplygin's sleigh; `x`, `y` by quadrature of the closed `v`, `theta`.
+///
+/// ```text
+/// v = V tanh(k t + c),  w = W sech(k t + c),  k = b V m/(J + m b²)
+/// θ = (W/k) (gd(k t + c) − gd(c)),  gd(z) = 2 atan(tanh(z/2))
+/// ```
+pub(crate) fn sleigh() -> Vec<Expected> {
+    let (m, j, b, v0, w0): (f64, f64, f64, f64, f64) = (1.0, 0.5, 0.3, -1.0, 0.8);
+    let i = j + m * b * b;
+    let energy = 0.5 * (m * v0 * v0 + i * w0 * w0);
+    let (v_most, w_most) = ((2.0 * energy / m).sqrt(), (2.0 * energy / i).sqrt());
+    let k = b * v_most * m / i;
+    let c = (v0 / v_most).atanh();
+    let v = |t: f64| v_most * (k * t + c).tanh();
+    let gd = |z: f64| 2.0 * (z / 2.0).tanh().atan();
+    let theta = |t: f64| w_most / k * (gd(k * t + c) - gd(c));
+    let mut list = Vec::new();
+    for t in [1.0, 3.0, 6.0, 12.0] {
+        list.push(Expected::at(t, "v", v(t)));
+        list.push(Expected::at(t, "w", w_most / (k * t + c).cosh()));
+        list.push(Expected::at(t, "theta", theta(t)));
+        list.push(Expected::at(t, "x", integral(t, |t| v(t) * theta(t).cos())));
+        list.push(Expected::at(t, "y", integral(t, |t| v(t) * theta(t).sin())));
+    }
+    list
+}
+
+/// `x = g sin α/(2 ω²) sin² ωt`, `y = g sin α/(2 ω) (t − sin 2ωt/(2 ω))`
+pub(crate) fn skate() -> Vec<Expected> {
+    let (g, alpha, w): (f64, f64, f64) = (9.81, 20.0_f64.to_radians(), 1.3);
+    let mut list = Vec::new();
+    for t in [1.0, 5.0, 10.0, 20.0] {
+        let s = (w * t).sin();
+        list.push(Expected::at(t, "x", g * alpha.sin() / (2.0 * w * w) * s * s));
+        list.push(Expected::at(t, "y", g * alpha.sin() / (2.0 * w) * (t - (2.0 * w * t).sin() / (2.0 * w))));
+        list.push(Expected::at(t, "theta", w * t));
+    }
+    list
+}
+
+/// The centre of a sphere on a turntable runs round a circle with the rate `k/(1 + k) Ω`.
+pub(crate) fn turntable(k: f64) -> Vec<Expected> {
+    let (x0, v0, rate) = (0.5, 0.4, 3.0 * k / (1.0 + k));
+    let mut list = Vec::new();
+    for t in [1.0, 5.0, 10.0] {
+        list.push(Expected::at(t, "x", x0 + v0 / rate * (rate * t).sin()));
+        list.push(Expected::at(t, "y", v0 / rate * (1.0 - (rate * t).cos())));
+        list.push(Expected::at(t, "wz", 1.7));
+    }
+    list
+}
+
+/// `x = x₀ e^(−δt) (cos ωt + δ/ω sin ωt)`
+pub(crate) fn damped() -> Vec<Expected> {
+    let (m, c, b, x0): (f64, f64, f64, f64) = (2.0, 50.0, 1.5, 0.1);
+    let decay = b / (2.0 * m);
+    let w = (c / m - decay * decay).sqrt();
+    let mut list = Vec::new();
+    for t in [0.5, 2.0, 5.0, 10.0] {
+        let envelope = x0 * (-decay * t).exp();
+        list.push(Expected::at(t, "x", envelope * ((w * t).cos() + decay / w * (w * t).sin())));
+        list.push(Expected::at(t, "x'", -envelope * (w + decay * decay / w) * (w * t).sin()));
+    }
+    list
+}
+
+/// `x = x₀ cos ωt` with 5 kN/m and 2 kg.
+pub(crate) fn table_spring() -> Vec<Expected> {
+    let (x0, w) = (0.15, 2500.0_f64.sqrt());
+    let mut list = Vec::new();
+    for t in [0.1, 0.7, 2.0] {
+        list.push(Expected::at(t, "x", x0 * (w * t).cos()));
+        list.push(Expected::at(t, "x'", -x0 * w * (w * t).sin()));
+    }
+    list
+}
+
+/// After a pulse: the speed is impulse over mass, the path that of a mass hit at the pulse's middle.
+fn pulse(middle: f64) -> Vec<Expected> {
+    let v = 6.0 / 3.0;
+    [70.0, 100.0].iter().flat_map(|&t| [Expected::at(t, "x'", v), Expected::at(t, "x", v * (t - middle))]).collect()
+}
+
+/// From 61.803 s on for 5 ms.
+pub(crate) fn pulse_rectangular() -> Vec<Expected> {
+    pulse(61.803 + 0.0025)
+}
+
+/// About 61.803 s.
+pub(crate) fn pulse_smooth() -> Vec<Expected> {
+    pulse(61.803)
+}
+
+/// Two normal modes of 20 masses between springs.
+pub(crate) fn spring_chain() -> Vec<Expected> {
+    let (n, m, c) = (20, 1.5, 400.0);
+    let angle = |j: f64| j * PI / f64::from(n + 1);
+    let mode = |a: f64, j: f64, k: i32, t: f64| {
+        let w = 2.0 * f64::sqrt(c / m) * (angle(j) / 2.0).sin();
+        a * (angle(j) * f64::from(k)).sin() * (w * t).cos()
+    };
+    let mut list = Vec::new();
+    for t in [0.3, 1.0, 5.0] {
+        for k in 1..=n {
+            list.push(Expected::at(t, format!("x[{k}]"), mode(0.05, 1.0, k, t) + mode(0.02, 7.0, k, t)));
+        }
+    }
+    list
+}
+
+/// Radii of the axles in a steady turn: `R_k² = R_(k−1)² + a_(k−1)² − l_k²`, `R_1 = l_1/tan δ`.
+pub(crate) fn radii(delta: f64, l: &[f64], a: &[f64], t: f64) -> Vec<Expected> {
+    let mut r = l[0] / delta.tan();
+    let mut list = Vec::new();
+    for k in 0..l.len() {
+        if k > 0 {
+            r = (r * r + a[k - 1] * a[k - 1] - l[k] * l[k]).sqrt();
+        }
+        list.push(Expected::at(t, format!("v_B[{0}]/omega[{0}]", k + 1), r));
+    }
+    list
+}
