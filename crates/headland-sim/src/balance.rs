@@ -1,7 +1,7 @@
 //! The energy balance: work of all forces and drives against the change of energy.
 //!
 //! ```text
-//! defect(t) = T + V − (T₀ + V₀) − ∫ Σ P d′ dt,   relative to the largest energy and work so far
+//! defect = max over t of |T + V − (T₀ + V₀) − ∫ Σ P d′ dt|,   relative to the largest energy and work of the run
 //! ```
 //! The integral is taken over each accepted step by Gauss' rule with four points (order 8) on the dense output.
 
@@ -27,8 +27,8 @@ pub struct Balance {
     /// `∫ |Σ P d′| dt` and the largest energy: what a defect is measured by.
     turnover: f64,
     largest: f64,
-    /// Largest relative defect so far.
-    pub defect: f64,
+    /// Largest defect so far, J.
+    worst: f64,
     /// Evaluations of the right-hand side spent.
     pub evaluations: u64,
 }
@@ -43,7 +43,7 @@ impl Balance {
             work: 0.0,
             turnover: 0.0,
             largest: 0.0,
-            defect: 0.0,
+            worst: 0.0,
             evaluations: 0,
         }
     }
@@ -88,13 +88,15 @@ impl Balance {
         let y = integrator.y().to_vec();
         let (kinetic, potential, _) = self.evaluate(problem, t1, &y);
         self.largest = self.largest.max(kinetic.abs() + potential.abs());
-        let size = self.largest.max(self.turnover);
-        if let Some(start) = self.start
-            && size > 0.0
-        {
-            let defect = (kinetic + potential - start - self.work).abs() / size;
-            self.defect = self.defect.max(defect);
+        if let Some(start) = self.start {
+            self.worst = self.worst.max((kinetic + potential - start - self.work).abs());
         }
         Ok(())
+    }
+
+    /// The largest defect relative to the largest energy and work; 0 where nothing has energy.
+    pub fn defect(&self) -> f64 {
+        let size = self.largest.max(self.turnover);
+        if size > 0.0 { self.worst / size } else { 0.0 }
     }
 }

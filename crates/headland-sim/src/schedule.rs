@@ -21,7 +21,9 @@ impl Schedule {
         let inputs = vec![0.0; system.graph.input_count()];
         let timeline = timeline(&system.graph, system.roots(), 0, &inputs, |i| i > 0, from, until);
         let inside = |t: &f64| *t > from && *t < until;
-        let breakpoints: Vec<f64> = timeline.breakpoints.iter().copied().filter(inside).collect();
+        // those at the ends too: there, functions of time are those of the run's side
+        let breakpoints: Vec<f64> =
+            timeline.breakpoints.iter().copied().filter(|t| (from..=until).contains(t)).collect();
         let short = timeline.windows.iter().filter(|w| w.stop);
         let mut stops: Vec<f64> = short.map(|w| w.start).chain(breakpoints.iter().copied()).collect();
         stops.extend(options.at.iter().flatten());

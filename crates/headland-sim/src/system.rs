@@ -288,7 +288,11 @@ impl Problem {
 
     /// `x = [t, y, u′]` with u′ zero.
     fn load(&mut self, t: f64, y: &[f64]) {
-        self.x[0] = if self.span.0 <= self.span.1 { t.clamp(self.span.0, self.span.1) } else { 0.5 * (self.span.0 + self.span.1) };
+        self.x[0] = if self.span.0 <= self.span.1 {
+            t.clamp(self.span.0, self.span.1)
+        } else {
+            0.5 * (self.span.0 + self.span.1)
+        };
         self.x[1..=y.len()].copy_from_slice(y);
     }
 

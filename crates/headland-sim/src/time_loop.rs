@@ -289,7 +289,7 @@ impl<'m> TimeLoop<'m> {
         self.ending.t = self.integrator.t();
         self.ending.method = self.method.name();
         self.ending.why = self.why;
-        self.ending.energy_balance = self.balance.as_ref().map(|b| b.defect);
+        self.ending.energy_balance = self.balance.as_ref().map(|b| b.defect());
         self.ending.balance_evaluations = self.balance.as_ref().map_or(0, |b| b.evaluations);
         self.ending
     }

@@ -31,8 +31,9 @@ fn small_when_the_motion_is_right() {
 /// The measure bites: it follows the tolerance.
 #[test]
 fn not_small_when_the_tolerance_is_loose() {
-    for (text, until) in [(DOUBLE, 5.0), (PIVOT, 1.0), (SNAKEBOARD, 8.0)] {
-        let model = build(&read(text));
+    // (the quick pivot is left out: its window holds the steps short whatever the tolerance)
+    for (scene, until) in [(read(DOUBLE), 5.0), (read(SNAKEBOARD), 8.0), (chain(6), 5.0), (pendulums(3), 2.0)] {
+        let model = build(&scene);
         let [loose, tight] = [1e-3, 1e-10].map(|tolerance| balance(&model, tolerance, until));
         assert!(loose > 1e-6, "{}: {loose:e} at tolerance 1e-3", model.title);
         assert!(tight < 1e-3 * loose, "{}: {tight:e} against {loose:e}", model.title);

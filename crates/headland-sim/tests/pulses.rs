@@ -26,7 +26,11 @@ fn check(scene: &Scene, velocity_change: f64) {
     for method in methods() {
         let found = velocity(scene, method);
         let tolerance = if method.starts_with("cvode") { 1e-7 } else { 1e-9 };
-        assert!((found / velocity_change - 1.0).abs() < tolerance, "{method}: {found} for {velocity_change}");
+        assert!(
+            (found / velocity_change - 1.0).abs() < tolerance,
+            "{method}: {found} for {velocity_change}, {:?}",
+            scene.section_elements("force")[0].get("value")
+        );
     }
 }
 

@@ -20,9 +20,8 @@ fn stages(c: &mut Criterion, name: &str, text: &str, sizes: &[usize]) {
         let derived = model.graph.len();
         let system = System::new(&model, &equations);
         eprintln!(
-            "{name} n = {n}: {nodes} nodes built, {derived} derived; {} operations a right-hand side ({} by {})",
+            "{name} n = {n}: {nodes} nodes built, {derived} derived; {} operations a right-hand side by {}",
             system.operations(),
-            equations.why,
             equations.algorithm
         );
         let mut group = c.benchmark_group(format!("{name}_{n}"));

@@ -179,7 +179,10 @@ pub fn turning_rails() -> Scene {
         structure(&mut s, "elastic", &format!("c, {name}"), "30 N/m", "geometric", name);
     }
     structure(&mut s, "inertia", "both", "1 kg", "geometric", "x + 2*z*s/l");
-    s.element("constraint", &[("name", "rail"), ("equation", "x'*sin(w*t + 1) - y'*cos(w*t + 1)*(2 + x*s/l^2) = l*w*cos(2*w*t)")]);
+    s.element(
+        "constraint",
+        &[("name", "rail"), ("equation", "x'*sin(w*t + 1) - y'*cos(w*t + 1)*(2 + x*s/l^2) = l*w*cos(2*w*t)")],
+    );
     s.element("constraint", &[("name", "link"), ("equation", "x*x'/l + y'*exp(s/l) + z' = s' + 0.2*l*w^2*t")]);
     s.entry("initial", "x'", 0.4).entry("initial", "z'", -0.1);
     s
