@@ -65,7 +65,10 @@ pub(crate) fn write_plots(folder: &Path, model: &Model, trajectory: &Trajectory)
         let series = plot.y.iter().map(|&i| Series { name: &trajectory.names[i], x, y: &columns[i] }).collect();
         let figure =
             Figure { title: &plot.title, x_label: &x_label, y_label: &y_label, equal_axes: plot.equal_axes, series };
-        let stem = folder.join(slug(&plot.title));
+        let name = slug(&plot.title);
+        let numbered = (2..).map(|n| folder.join(format!("{name}_{n}")));
+        let mut stems = std::iter::once(folder.join(&name)).chain(numbered); // titles may be equal
+        let Some(stem) = stems.find(|s| !files.contains(&s.with_extension("svg"))) else { continue };
         for (extension, drawn) in [
             ("svg", figure.write_svg(&stem.with_extension("svg"))),
             ("png", figure.write_png(&stem.with_extension("png"))),

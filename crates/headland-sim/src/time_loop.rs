@@ -75,7 +75,7 @@ impl<'m> TimeLoop<'m> {
             warned: vec![false; model.guards.len()],
             known: vec![(equations.clone(), system)],
             equations: equations.clone(),
-            growth_limit: GROWTH,
+            growth_limit: if model.run.independent.is_some() { 10.0 * GROWTH } else { GROWTH },
             why: why.into(),
             ending: Ending {
                 status: Status::Done,
@@ -170,7 +170,16 @@ impl<'m> TimeLoop<'m> {
     /// Looks for better independent rates when the entries of G have grown.
     fn repartition(&mut self, t: f64, observer: &mut dyn Observer) -> Result<bool, SolveError> {
         let growth = self.work.growth(t, &self.y);
-        if growth < self.growth_limit || self.model.run.independent.is_some() {
+        if growth < self.growth_limit {
+            return Ok(false);
+        }
+        if self.model.run.independent.is_some() {
+            self.growth_limit = f64::INFINITY; // said once
+            let message = format!(
+                "warning: the rates named by `independent` are close to singular: others are up to {growth:.0} times as \
+                 large; without `independent` they are changed in time"
+            );
+            self.tell(t, &message, observer);
             return Ok(false);
         }
         self.growth_limit = 2.0 * growth; // if nothing better is found

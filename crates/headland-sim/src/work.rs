@@ -104,5 +104,6 @@ pub(crate) fn solver_options(model: &Model, system: &System, options: &RunOption
     let scales = coordinates.chain(system.kinematics.quasi.iter().map(|u| u.scale));
     let mut solver = Options::new(options.tolerance, scales.map(|s| s * options.tolerance).collect());
     solver.max_steps = options.max_steps;
+    solver.h_max = options.max_step;
     solver
 }
