@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use headland::model::ElementKind;
-use headland::{DeriveOptions, derive};
+use headland::{DeriveOptions, Method, derive};
 
 use crate::load::{derive_failure, load};
 use crate::{Failure, SceneArgs, print};
@@ -14,6 +14,9 @@ pub(crate) fn check(args: &SceneArgs) -> Result<(), Failure> {
         .map_err(|e| derive_failure(&model, &e))?;
     let start = headland::dynamics::initial_velocities(&model, &equations.kinematics)
         .map_err(|e| derive_failure(&model, &e))?;
+    if model.run.method != "auto" {
+        Method::parse(&model.run.method)?;
+    }
     let mut text = String::new();
     let count = |kind| model.count(kind);
     let _ = writeln!(text, "model      {}", model.title);
@@ -44,8 +47,7 @@ pub(crate) fn check(args: &SceneArgs) -> Result<(), Failure> {
         let _ = writeln!(text, "warning    {}", model.source.show(warning));
     }
     let _ = writeln!(text, "ok");
-    print(&text);
-    Ok(())
+    print(&text)
 }
 
 /// A list, its middle left out if it is long.

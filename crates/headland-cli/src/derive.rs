@@ -40,6 +40,5 @@ pub(crate) fn derive(args: &DeriveArgs) -> Result<(), Failure> {
         FormArg::Latex => Form::Latex,
         FormArg::C => Form::C,
     };
-    print(&equations_text(&model, &equations, form));
-    Ok(())
+    print(&equations_text(&model, &equations, form))
 }

@@ -18,7 +18,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 /// Multibody dynamics for wheeled, rolling and coupled machines.
 #[derive(Parser)]
-#[command(name = "headland", version, about)]
+#[command(name = "headland", version, about = "Multibody dynamics for wheeled, rolling and coupled machines", long_about = None)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -80,9 +80,18 @@ impl<E: Into<headland::Error>> From<E> for Failure {
     }
 }
 
-/// Writes results; a closed pipe is not an error.
-pub(crate) fn print(text: &str) {
-    let _ = std::io::stdout().write_all(text.as_bytes());
+/// Writes results; a closed pipe is not an error, a full disk is.
+pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    let mut out = std::io::stdout();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(Failure::Run(format!("cannot write results: {e}"))),
+        _ => Ok(()),
+    }
+}
+
+/// Writes a line to stderr, wherever it leads.
+pub(crate) fn tell(text: &str) {
+    let _ = writeln!(std::io::stderr(), "{text}");
 }
 
 fn main() -> ExitCode {
@@ -90,21 +99,18 @@ fn main() -> ExitCode {
         Command::Run(args) => run::run(&args),
         Command::Derive(args) => derive::derive(&args),
         Command::Check(args) => check::check(&args),
-        Command::Schema => {
-            print(&format!("{:#}\n", headland::model::format::json_schema()));
-            Ok(())
-        }
+        Command::Schema => print(&format!("{:#}\n", headland::model::format::json_schema())),
         #[cfg(feature = "validate")]
         Command::Validate(args) => validate(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Run(message)) => {
-            eprintln!("failed: {message}");
+            tell(&format!("failed: {message}"));
             ExitCode::from(1)
         }
         Err(Failure::Input(message)) => {
-            eprintln!("error: {message}");
+            tell(&format!("error: {message}"));
             ExitCode::from(2)
         }
     }
@@ -121,9 +127,9 @@ fn validate(args: &ValidateArgs) -> Result<(), Failure> {
         )));
     }
     if args.json {
-        print(&format!("{}\n", headland_validation::to_json(&results)));
+        print(&format!("{}\n", headland_validation::to_json(&results)))?;
     } else {
-        print(&headland_validation::to_table(&results));
+        print(&headland_validation::to_table(&results))?;
     }
     match results.iter().filter(|r| !r.passed()).count() {
         0 => Ok(()),

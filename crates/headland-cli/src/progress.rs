@@ -52,7 +52,7 @@ impl Observer for Progress {
         let text = format!("t = {t:.6} s: {message}");
         match &self.bar {
             Some(bar) => bar.println(text),
-            None => eprintln!("{text}"),
+            None => crate::tell(&text),
         }
     }
 }

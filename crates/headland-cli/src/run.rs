@@ -17,10 +17,10 @@ pub(crate) struct RunArgs {
     #[command(flatten)]
     scene: SceneArgs,
     /// End of the run: 20, "20 s", "2 min"
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     until: Option<String>,
     /// Relative tolerance; a state's absolute one is this times its scale
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     tol: Option<String>,
     /// auto, dop853, cvode-bdf, cvode-adams
     #[arg(long)]
@@ -38,8 +38,8 @@ pub(crate) struct RunArgs {
     #[arg(long)]
     plot: bool,
     /// Integrate so many times and report the least and the median time
-    #[arg(long, default_value_t = 1)]
-    repeat: usize,
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    repeat: u32,
     /// Do not keep the account of work and energy
     #[arg(long)]
     no_balance: bool,
@@ -76,14 +76,14 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     if args.plot {
         files.extend(write_plots(&folder, &model, &result.trajectory)?);
     }
-    if args.json {
-        print(&format!("{:#}\n", summary(&result.report)));
+    let told = if args.json {
+        print(&format!("{:#}\n", summary(&result.report)))
     } else {
-        print(&show(&model, &result, &files, args.at.is_some()));
-    }
+        print(&show(&model, &result, &files, args.at.is_some()))
+    };
     match result.report.status {
         Status::Failed(reason) => Err(Failure::Run(reason)),
-        _ => Ok(()),
+        _ => told,
     }
 }
 
@@ -99,7 +99,7 @@ fn options(args: &RunArgs, model: &Model) -> Result<RunOptions, Failure> {
         }
         options.until = at.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     }
-    options.repeat = args.repeat;
+    options.repeat = args.repeat as usize;
     options.balance = !args.no_balance;
     Ok(options)
 }
@@ -123,9 +123,9 @@ fn show(model: &Model, result: &Run, files: &[PathBuf], all_rows: bool) -> Strin
     let rest = if r.rejected > 0 { format!(" ({} rejected)", r.rejected) } else { String::new() };
     let _ = writeln!(
         text,
-        "{ended} in {}: {} steps{rest}, {} evaluations of {} operations; derived in {}, compiled in {}",
+        "{ended} in {}: {}{rest}, {} evaluations of {} operations; derived in {}, compiled in {}",
         seconds(r.run_s),
-        r.steps,
+        many(r.steps as usize, "step"),
         r.rhs,
         r.operations,
         seconds(r.derive_s),
@@ -141,11 +141,16 @@ fn show(model: &Model, result: &Run, files: &[PathBuf], all_rows: bool) -> Strin
         let _ = writeln!(text, "constraints are kept to {residual:.1e}");
     }
     if r.repartitions > 0 {
-        let _ = writeln!(text, "independent rates changed {} time(s)", r.repartitions);
+        let _ = writeln!(text, "independent rates changed {}", many(r.repartitions as usize, "time"));
     }
     let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
     let _ = writeln!(text, "files   {}", names.join(", "));
     text
+}
+
+/// `1 step`, `2 steps`.
+fn many(n: usize, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }
 
 /// A time a person can read.

@@ -14,7 +14,10 @@ pub(crate) fn table(trajectory: &Trajectory, all_rows: bool) -> String {
     let rows: Vec<usize> = match n {
         0 => Vec::new(),
         n if n <= ROWS || all_rows => (0..n).collect(),
-        n => (0..ROWS).map(|i| i * (n - 1) / (ROWS - 1)).collect(),
+        n => {
+            let intervals = round_intervals(&trajectory.t);
+            (0..=intervals).map(|i| i * (n - 1) / intervals).collect()
+        }
     };
     let cell = |row: usize, column: usize| match column {
         0 => short(trajectory.t[row]),
@@ -47,6 +50,14 @@ pub(crate) fn table(trajectory: &Trajectory, all_rows: bool) -> String {
         );
     }
     text
+}
+
+/// How many intervals to show so that their times are round; as many as possible if none are.
+fn round_intervals(t: &[f64]) -> usize {
+    let n = t.len() - 1;
+    let step = |c: usize| short(t[n / c] - t[0]).len();
+    let even = (8..ROWS).rev().filter(|c| n.is_multiple_of(*c));
+    even.min_by_key(|c| (step(*c).max(3), ROWS - c)).unwrap_or(ROWS - 1)
 }
 
 /// `name [unit]` of the outputs.

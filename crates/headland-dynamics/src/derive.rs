@@ -162,7 +162,8 @@ fn choose<'g>(
         return Ok(Chosen { form: direct, algorithm: "direct", why: "asked for".into(), difference: None });
     }
     let combined = derive_combined(model, kinematics, structures);
-    let difference = if options.compare { Some(compare_derivations(model, &direct, &combined)?) } else { None };
+    let difference =
+        if options.compare { Some(compare_derivations(model, &direct, &combined, structures)?) } else { None };
     let operations = |form: &MassForm<'g>| {
         let ids: Vec<NodeId> = form.m.iter().chain(&form.f).map(|e| graph.id(*e)).collect();
         graph.operations(&ids)
@@ -246,8 +247,11 @@ impl Equations {
     pub fn freedom(&self, model: &Model) -> String {
         let (s, p) = (model.coordinates.len(), model.prescribed.len());
         format!(
-            "{} degree(s) of freedom = {} coordinates - {} velocity constraints - {} prescribed",
-            self.kinematics.quasi.len(),
+            "{} of freedom = {} coordinates - {} velocity constraints - {} prescribed",
+            match self.kinematics.quasi.len() {
+                1 => "1 degree".to_string(),
+                n => format!("{n} degrees"),
+            },
             s + p,
             self.kinematics.constraints,
             p

@@ -44,7 +44,7 @@ fn name_entries(model: &Model, equations: &Equations) -> Named {
     let entry = |base: &str, i: usize, j: usize| match n {
         1 => base.to_string(),
         _ if j == usize::MAX => format!("{base}[{}]", i + 1),
-        _ => format!("{base}[{}{}{}]", i + 1, if n > 9 { "," } else { "" }, j + 1),
+        _ => format!("{base}[{},{}]", i + 1, j + 1),
     };
     let mut structure = Vec::new();
     for (e, row) in model.elements.iter().zip(&equations.structure_matrix) {
@@ -111,12 +111,16 @@ fn list(model: &Model, equations: &Equations, style: Style) -> String {
     let lines = listing(graph, style, &roots, &named, &ListingOptions::of(style)).lines;
     let comment = if style == Style::Latex { "%" } else { "#" };
     let mut text = header(model, equations, comment);
-    for (name, other) in &aliases {
-        let show = |n: &str| if style == Style::Latex { latex_name(n) } else { n.to_string() };
+    let show = |n: &str| if style == Style::Latex { latex_name(n) } else { n.to_string() };
+    let defined: Vec<&str> = lines.iter().map(|(name, _)| name.as_str()).collect();
+    for (name, other) in aliases.iter().filter(|(_, other)| !defined.contains(&show(other).as_str())) {
         let _ = writeln!(text, "{}", line(&show(name), &show(other), style));
     }
     for (name, expression) in &lines {
         let _ = writeln!(text, "{}", line(name, expression, style));
+        for (alias, _) in aliases.iter().filter(|(_, other)| show(other) == *name) {
+            let _ = writeln!(text, "{}", line(&show(alias), name, style));
+        }
     }
     if equations.accelerations.is_none() {
         let how = "M u' = F is solved by numbers at every evaluation";

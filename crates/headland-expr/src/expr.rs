@@ -87,6 +87,15 @@ impl<'g> Expr<'g> {
         }
     }
 
+    /// True for `sin² x` and `cos² x`, in either order.
+    fn completes_to_one(self, other: Self) -> bool {
+        let pair = |s: Self, c: Self| match (s.is_square_of(Op::Sin), c.is_square_of(Op::Cos)) {
+            (Some(x), Some(y)) => x == y,
+            _ => false,
+        };
+        pair(self, other) || pair(other, self)
+    }
+
     fn is_square_of(self, op: Op) -> Option<Expr<'g>> {
         match self.as_power() {
             (base, 2) => base.match_op(op).map(|[a, _]| a),
@@ -160,15 +169,16 @@ impl<'g> Add for Expr<'g> {
         if a == b {
             return Expr::Const(2.0) * a;
         }
-        if let (Some(s), Some(c)) = (a.is_square_of(Op::Sin), b.is_square_of(Op::Cos))
-            && s == c
-        {
+        if a.completes_to_one(b) {
             return Expr::Const(1.0);
         }
-        if let (Some(c), Some(s)) = (a.is_square_of(Op::Cos), b.is_square_of(Op::Sin))
-            && s == c
-        {
-            return Expr::Const(1.0);
+        // f sin² + f cos² = f
+        if let (Some([f, p]), Some([g, q])) = (a.match_op(Op::Mul), b.match_op(Op::Mul)) {
+            for (f, p, g, q) in [(f, p, g, q), (p, f, g, q), (f, p, q, g), (p, f, q, g)] {
+                if f == g && p.completes_to_one(q) {
+                    return f;
+                }
+            }
         }
         // c + (d + x) = (c + d) + x for numbers c, d
         for (c, sum) in [(a, b), (b, a)] {

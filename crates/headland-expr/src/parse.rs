@@ -452,7 +452,10 @@ pub fn suggestion<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>)
     let best = candidates
         .into_iter()
         .map(|c| (strsim::damerau_levenshtein(&name.to_lowercase(), &c.to_lowercase()), c))
-        .filter(|(distance, c)| *distance <= 1 + name.chars().count().max(c.chars().count()) / 4)
+        .filter(|(distance, c)| {
+            let length = name.chars().count().max(c.chars().count());
+            *distance <= (length / 3).max(usize::from(length > 1))
+        })
         .min();
     match best {
         Some((_, c)) => format!("; did you mean `{c}`?"),

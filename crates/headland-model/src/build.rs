@@ -132,13 +132,11 @@ impl<'s, 'g> Builder<'s, 'g> {
         self.initial();
         self.scales();
         self.prescribed();
-        let before = self.low.diagnostics.len();
         self.outputs();
-        let columns_are_right = self.low.diagnostics.len() == before;
         self.guards();
         self.events();
-        if columns_are_right {
-            self.plots();
+        if self.low.diagnostics.is_empty() {
+            self.plots(); // else a column may be missing in consequence
         }
         self.run_settings();
         self.array_lengths();
@@ -254,6 +252,9 @@ impl<'s, 'g> Builder<'s, 'g> {
     }
 
     pub(crate) fn warn(&mut self) {
+        if self.low.coordinates.is_empty() {
+            self.low.report(Place::Program, "the scene has no coordinates: `[coordinates]` with names and units");
+        }
         if self.parts.elements.iter().all(|e| e.kind != ElementKind::Inertia) && !self.low.coordinates.is_empty() {
             let place = self.scene.section("coordinates").first().map_or(Place::Program, |e| e.key_place.clone());
             self.low.report(place, "the scene has no inertia element: [[inertia]] with a value and a structure");

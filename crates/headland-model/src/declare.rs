@@ -24,6 +24,9 @@ impl<'g> Builder<'_, 'g> {
         self.parts.time = Some(self.low.time);
         self.parameter_lengths();
         self.indices();
+        if !self.low.diagnostics.is_empty() {
+            return; // everything with an index would be wrong in consequence
+        }
         self.tables();
         self.parameters();
         self.coordinates();
@@ -83,7 +86,10 @@ impl<'g> Builder<'_, 'g> {
                 let message = format!("the index `{}` has {n} members; 0 to 1000000 are possible", entry.key);
                 return Err(self.low.report(entry.value.place.clone(), message));
             }
-            Err(message) => return Err(self.low.report(entry.value.place.clone(), message)),
+            Err(message) => {
+                let message = format!("the index `{}`: {message}", entry.key);
+                return Err(self.low.report(entry.value.place.clone(), message));
+            }
         };
         self.low.symbols.by_name.insert(entry.key.as_str().into(), Symbol::Index(n));
         Ok(())

@@ -2,6 +2,8 @@
 
 use serde_json::{Map, Value, json};
 
+use crate::scene::Data;
+
 /// How a section is written.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Shape {
@@ -32,6 +34,32 @@ pub enum Kind {
     Unit,
     /// A table `{ x = [..], y = [..] }`.
     Points,
+}
+
+impl Kind {
+    /// Whether a value can be meant.
+    pub fn admits(self, data: &Data) -> bool {
+        match (self, data) {
+            (Kind::Text | Kind::Unit, Data::Text(_)) | (Kind::Flag, Data::Flag(_)) => true,
+            (Kind::Expression | Kind::Expressions, Data::Number(_) | Data::Text(_)) => true,
+            (Kind::Expressions, Data::Array(_)) | (Kind::Points, Data::Table(_)) => true,
+            (Kind::Texts, Data::Array(values)) => values.iter().all(|v| matches!(v.data, Data::Text(_))),
+            _ => false,
+        }
+    }
+
+    /// What it is, for messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Text => "a text",
+            Kind::Unit => "a unit",
+            Kind::Flag => "true or false",
+            Kind::Expression => "a number, a quantity or an expression",
+            Kind::Expressions => "a number, a quantity, an expression or an array",
+            Kind::Texts => "a list of texts",
+            Kind::Points => "a table",
+        }
+    }
 }
 
 /// One key of a section.

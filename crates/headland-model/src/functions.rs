@@ -33,8 +33,7 @@ impl<'g> Lowering<'g> {
                 return Err(self.report(place, format!("the table `{function}` takes 1 argument, found {n}")));
             }
             self.no_conditions(&args, formula)?;
-            let wanted = (Typed::number(0.0, x), 0..0);
-            self.same(&args[0], &wanted, formula, &place, "look up")?;
+            self.demand(&args[0].0, &x, args[0].0.angle, formula, &format!("the argument of the table `{function}`"))?;
             return Ok(Typed { expr: args[0].0.expr.spline(&spline, 0), dimension: y, angle: false, condition: false });
         }
         let row = headland_expr::ops::OPS

@@ -126,8 +126,14 @@ impl<'g> Builder<'_, 'g> {
                 format!("an equation has one `=`: `x'*sin(theta) = y'*cos(theta)`; found `{text}`"),
             ));
         };
-        let left = self.low.formula(&text[..at], &place.part(&(0..at)))?;
-        let right = self.low.formula(&text[at + 1..], &place.part(&(at + 1..text.len())))?;
+        let side = |from: usize, to: usize| {
+            let (start, end) =
+                (text[from..to].len() - text[from..to].trim_start().len(), text[from..to].trim_end().len());
+            from + start.min(end)..from + end
+        };
+        let (left, right) = (side(0, at), side(at + 1, text.len()));
+        let left = self.low.formula(&text[left.clone()], &place.part(&left))?;
+        let right = self.low.formula(&text[right.clone()], &place.part(&right))?;
         for binding in self.members_of(&[&left, &right], place)? {
             let (a, b) = (self.low.lower(&left, &binding)?, self.low.lower(&right, &binding)?);
             self.low.demand(&b, &a.dimension, a.angle, &right, "the left side")?;
@@ -152,7 +158,13 @@ impl<'g> Builder<'_, 'g> {
 
     pub(crate) fn elements(&mut self, section: &str, kind: ElementKind, power: &Dimension) {
         for element in self.scene.section_elements(section) {
+            let before = self.parts.elements.len();
             let _ = self.element(section, element, kind, power);
+            let (old, new) = self.parts.elements.split_at(before);
+            let twice = new.iter().find(|n| old.iter().any(|o| o.kind == kind && o.name == n.name));
+            if let Some(name) = twice.map(|e| e.name.clone()) {
+                self.low.report(element.place.clone(), format!("two elements of [[{section}]] are named `{name}`"));
+            }
         }
     }
 

@@ -146,6 +146,8 @@ pub struct Guard {
     pub name: String,
     /// What is watched.
     pub quantity: NodeId,
+    /// Its SI unit.
+    pub unit: String,
     /// Warn below.
     pub warn_below: Option<f64>,
     /// Stop below.

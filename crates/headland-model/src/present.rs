@@ -112,9 +112,18 @@ impl<'g> Builder<'_, 'g> {
                 return Err(self.low.report(element.place.clone(), message));
             }
             let [warn_below, stop_below] = limits;
+            let unit = self.low.unifier.resolve(&typed.dimension).unit(typed.angle);
+            let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
             let node = self.low.graph.id(typed.expr);
             let name = bound_name(&name, &binding);
-            self.parts.guards.push(Guard { name, quantity: node, warn_below, stop_below, message: message.clone() });
+            self.parts.guards.push(Guard {
+                name,
+                quantity: node,
+                unit,
+                warn_below,
+                stop_below,
+                message: message.clone(),
+            });
         }
         Ok(())
     }
@@ -246,10 +255,19 @@ impl<'g> Builder<'_, 'g> {
                 match key {
                     "from" => run.from = x,
                     "until" => run.until = x,
-                    "tolerance" if positive && x < 1.0 => run.tolerance = x,
+                    "tolerance" if (2.3e-15..1.0).contains(&x) => run.tolerance = x,
                     "points" if (1.0..=1e8).contains(&x) && x == x.round() => run.points = x as usize,
                     "max_step" if positive => run.max_step = x,
-                    _ => return Err(self.low.report(place, format!("`run.{key}` = {x} is out of range"))),
+                    _ => {
+                        let range = match key {
+                            "tolerance" => "from 2.3e-15 to below 1",
+                            "points" => "a whole number from 1 to 1e8",
+                            _ => "positive",
+                        };
+                        return Err(self
+                            .low
+                            .report(place, format!("`run.{key}` = {x} is out of range; it is {range}")));
+                    }
                 }
             }
         }

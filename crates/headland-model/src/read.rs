@@ -20,7 +20,15 @@ impl Scene {
         let mut reader = Reader { text, diagnostics: Vec::new() };
         let (table, errors) = DeTable::parse_recoverable(text);
         for error in &errors {
-            reader.report(error.span().unwrap_or(0..0), format!("not TOML: {}", error.message().trim()));
+            let hint = if error.message().contains("unquoted key") {
+                "; names with primes or brackets stand in quotes: \"x'\" = .., \"theta[k]\" = .."
+            } else {
+                ""
+            };
+            reader.report(error.span().unwrap_or(0..0), format!("not TOML: {}{hint}", error.message().trim()));
+        }
+        if !errors.is_empty() {
+            return Err(ModelError { source, diagnostics: reader.diagnostics });
         }
         let mut scene = Scene { source: source.clone(), ..Scene::default() };
         for entry in reader.entries(table.get_ref()) {
@@ -166,6 +174,19 @@ impl Reader<'_> {
                 let message =
                     format!("`{}` has no key `{}`{hint}; known: {}", section.name, entry.key, known.join(", "));
                 self.report_at(&entry.key_place, message);
+            }
+        }
+        for entry in entries {
+            let Some(key) = section.keys.iter().find(|k| k.name == entry.key) else { continue };
+            if !key.kind.admits(&entry.value.data) {
+                let message = format!(
+                    "`{}` is {}, but {} was expected: {}",
+                    key.name,
+                    entry.value.data.kind(),
+                    key.kind.name(),
+                    key.doc
+                );
+                self.report_at(&entry.value.place, message);
             }
         }
         let missing: Vec<&Key> =

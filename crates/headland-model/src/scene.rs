@@ -161,8 +161,13 @@ impl Scene {
     /// If the name is not there (with a suggestion) or the value cannot be read.
     pub fn set(&mut self, name: &str, text: &str) -> Result<(), ModelError> {
         let place = Place::Setting(format!("--set {name}={text}").into());
-        let value = read_setting(text.trim(), &place, 0);
         let source = self.source.clone();
+        let open = text.trim().starts_with('[');
+        if open != text.trim().ends_with(']') && (open || !text.contains('[')) {
+            let message = "an array is written `[1, 2, 3]`; a bracket is missing".into();
+            return Err(ModelError { source, diagnostics: vec![Diagnostic { place, message }] });
+        }
+        let value = self.read_value(name, text.trim(), &place);
         match self.find(name.trim()) {
             Found::Value(slot) => {
                 *slot = with_unit_of(value, slot);
@@ -174,6 +179,20 @@ impl Scene {
                 Ok(())
             }
             Found::Nothing(message) => Err(ModelError { source, diagnostics: vec![Diagnostic { place, message }] }),
+        }
+    }
+
+    /// The value of a setting; where the key takes a text, it is one whatever it looks like.
+    fn read_value(&self, name: &str, text: &str, place: &Place) -> Value {
+        let key = name.split_once('.').and_then(|(section, key)| {
+            let format = format::SECTIONS.iter().find(|s| s.name == section)?;
+            format.keys.iter().find(|k| k.name == key)
+        });
+        match key {
+            Some(key) if key.kind == format::Kind::Text => {
+                Value { data: Data::Text(text.trim_matches('"').into()), place: place.clone() }
+            }
+            _ => read_setting(text, place, 0),
         }
     }
 
@@ -259,7 +278,7 @@ fn read_setting(text: &str, place: &Place, depth: usize) -> Value {
     let data = if let Some(inner) = array {
         let items = split_top_level(inner);
         Data::Array(items.into_iter().map(|item| read_setting(item, place, depth + 1)).collect())
-    } else if let Ok(x) = text.parse::<f64>() {
+    } else if let Some(x) = text.parse::<f64>().ok().filter(|x| x.is_finite()) {
         Data::Number(x)
     } else if text == "true" || text == "false" {
         Data::Flag(text == "true")

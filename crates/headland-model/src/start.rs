@@ -12,8 +12,12 @@ use crate::symbols::{Binding, Formula, Symbol, parse_key};
 
 impl<'g> Builder<'_, 'g> {
     pub(crate) fn initial(&mut self) {
+        let mut failed = false;
         for entry in self.scene.section("initial") {
-            let _ = self.initial_value(entry);
+            failed |= self.initial_value(entry).is_err();
+        }
+        if failed {
+            return; // its own message says enough
         }
         let missing: Vec<String> = self
             .low
@@ -91,6 +95,10 @@ impl<'g> Builder<'_, 'g> {
             Some(Symbol::QuasiVelocity(base, n)) if key.primes == 0 => Some((*base, false, *n)),
             _ => None,
         };
+        if self.low.declared.contains_key(&key.name) || self.parts.prescribed.iter().any(|p| p.name == key.name) {
+            let message = format!("`{}` is prescribed: its values follow from its function of time", entry.key);
+            return Err(self.low.report(place, message));
+        }
         let Some((base, kind, count)) = found else {
             let states = self
                 .low

@@ -116,14 +116,16 @@ pub fn parse_quantity(text: &str) -> Option<Result<(f64, Option<Unit>), String>>
     }
     let end = number_end(digits);
     let x: f64 = digits[..end].parse().ok()?;
+    let too_large = || format!("the number `{}` is too large", &digits[..end]);
     let unit = digits[end..].trim();
     if unit.is_empty() {
-        return Some(Ok((sign * x, None)));
+        return Some(if x.is_finite() { Ok((sign * x, None)) } else { Err(too_large()) });
     }
     if !unit.starts_with(|c: char| c.is_alphabetic() || c == '%' || c == '°') {
         return None;
     }
-    Some(parse_unit(unit).map(|u| (sign * u.to_si(x), Some(u))))
+    let quantity = parse_unit(unit).map(|u| (sign * u.to_si(x), Some(u)));
+    Some(quantity.and_then(|(x, u)| if x.is_finite() { Ok((x, u)) } else { Err(too_large()) }))
 }
 
 fn number_end(text: &str) -> usize {
@@ -211,11 +213,9 @@ impl Reader<'_> {
         let name = &rest[..length];
         let Some((_, kg, m, s, angle, numerator, denominator)) = UNITS.iter().find(|u| u.0 == name) else {
             let shown = if name.is_empty() { rest } else { name };
-            return Err(format!(
-                "unknown unit `{shown}` in `{}`{}",
-                self.text,
-                suggestion(shown, UNITS.iter().map(|u| u.0))
-            ));
+            let inside = if shown == self.text { String::new() } else { format!(" in `{}`", self.text) };
+            let hint = suggestion(shown, UNITS.iter().map(|u| u.0));
+            return Err(format!("unknown unit `{shown}`{inside}{hint}"));
         };
         self.at += length;
         let dimension = Dimension::of(*kg, *m, *s);
@@ -273,7 +273,7 @@ mod tests {
 
     #[test]
     fn wrong_units_are_named() {
-        assert_eq!(parse_unit("kM").unwrap_err(), "unknown unit `kM` in `kM`; did you mean `MN`?".replace("MN", "km"));
+        assert_eq!(parse_unit("kM").unwrap_err(), "unknown unit `kM`; did you mean `km`?");
         assert!(parse_unit("m^x").unwrap_err().contains("integer"));
         assert!(parse_unit("(m").unwrap_err().contains("without"));
         assert!(parse_unit(&"(".repeat(10_000)).unwrap_err().contains("nested"));

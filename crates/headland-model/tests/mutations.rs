@@ -525,7 +525,7 @@ const MISTAKES: &[(&str, &str, &str)] = &[
     ("explicit = \"v_B[k]\"", "explicit = \"v_B[k]*\"", "v_B[k]*"),
     ("v = \"v0\"", "w = \"v0\"", "`w` is not a coordinate"),
     ("\"x_A1'\" = \"v*cos(theta[1] + psi[1])\"", "\"x_A1'\" = \"v*cos(v)\"", "v*cos(v)"),
-    ("y = [\"power\"]", "y = [\"powers\"]", "powers"),
+    ("\"F_A1\", \"power\"]", "\"F_A1\", \"powers\"]", "undefined name `powers`"),
     ("quantity = \"cos(psi[k])\"", "quantity = \"cos(psi[j])\"", "j"),
 ];
 
@@ -623,7 +623,7 @@ fn deep_settings_are_read_or_refused() {
 
 #[test]
 fn infinite_and_missing_numbers_are_refused() {
-    for value in ["nan", "inf", "-inf", "1e400", "NaN", "infinity"] {
+    for value in ["nan", "inf", "-inf", "1e400", "-1e400", "1e400 kg", "1e308 t", "NaN", "infinity"] {
         let mut scene = Scene::parse("scene.toml", SCENES[0]).unwrap_or_else(|e| panic!("{e}"));
         let result = scene.set("m", value).and_then(|()| scene.build().map(|_| ()));
         assert!(result.is_err(), "m = {value} was accepted");

@@ -14,6 +14,8 @@ pub(crate) struct Recorder {
     factors: Vec<f64>,
     /// Times still to come, last first.
     ahead: Vec<f64>,
+    /// True for rows at given times only.
+    exact: bool,
     pub(crate) residual: Option<f64>,
     pub(crate) evaluations: u64,
     y: Vec<f64>,
@@ -37,7 +39,7 @@ impl Recorder {
             ..Trajectory::default()
         };
         let factors = model.outputs.iter().map(|o| o.factor).collect();
-        Self { trajectory, factors, ahead, residual: None, evaluations: 0, y: Vec::new() }
+        Self { trajectory, factors, ahead, exact: options.at.is_some(), residual: None, evaluations: 0, y: Vec::new() }
     }
 
     fn row(&mut self, work: &mut Work, t: f64, y: &[f64]) {
@@ -49,6 +51,13 @@ impl Recorder {
         if work.has_residuals {
             let worst = work.residuals.eval(x).iter().fold(0.0_f64, |a, r| a.max(r.abs()));
             self.residual = Some(self.residual.unwrap_or(0.0).max(worst));
+        }
+    }
+
+    /// The row at which a run ended before its time, where rows are not asked for at given times.
+    pub(crate) fn last_row(&mut self, work: &mut Work, t: f64, y: &[f64]) {
+        if !self.exact && self.trajectory.t.last().is_some_and(|last| *last < t) {
+            self.row(work, t, y);
         }
     }
 

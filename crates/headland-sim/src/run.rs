@@ -88,7 +88,8 @@ pub fn run(model: &Model, options: &RunOptions, observer: &mut dyn Observer) -> 
 
 fn check(options: &RunOptions) -> Result<(), RunError> {
     let (from, until) = (options.from, options.until);
-    if until.is_nan() || from.is_nan() || until <= from {
+    let single = options.at.is_some() && until == from; // the start alone
+    if until.is_nan() || from.is_nan() || (until <= from && !single) {
         return Err(RunError::Empty { from, until });
     }
     match options.at.iter().flatten().find(|t| !(from..=until).contains(*t)) {

@@ -108,6 +108,9 @@ impl<'m> TimeLoop<'m> {
                 self.fail(&error);
             }
         }
+        if self.ending.status != Status::Done {
+            recorder.last_row(&mut self.work, self.integrator.t(), self.integrator.y());
+        }
     }
 
     fn begin(&mut self, recorder: &mut Recorder, observer: &mut dyn Observer) -> Result<(), SolveError> {
@@ -223,6 +226,7 @@ impl<'m> TimeLoop<'m> {
     /// Goes over to another system or method; the caller restarts the integrator.
     fn use_system(&mut self, system: Rc<System>) -> Result<(), SolveError> {
         add(&mut self.ending.stats, self.integrator.stats());
+        self.ending.stats.restarts += 1; // the new integrator does not count its first start
         self.integrator = self.method.create(system.len(), solver_options(self.model, &system, self.options))?;
         if let Some(balance) = &mut self.balance {
             balance.change_system(&system);
@@ -241,7 +245,9 @@ impl<'m> TimeLoop<'m> {
             let below = guard.warn_below.is_some_and(|limit| value < limit);
             if below && !self.warned[i] {
                 let limit = guard.warn_below.unwrap_or_default();
-                let message = format!("warning: {} = {value:.6} is below {limit}: {}", guard.name, guard.message);
+                let (name, unit) = (&guard.name, &guard.unit);
+                let message =
+                    format!("warning: {name} = {value:.6}{unit} is below {limit:.6}{unit}: {}", guard.message);
                 self.tell(t, &message, observer);
             }
             self.warned[i] = below;
@@ -253,7 +259,8 @@ impl<'m> TimeLoop<'m> {
 
     fn stop_by_guard(&mut self, t: f64, i: usize, value: f64, limit: f64) {
         let guard = &self.model.guards[i];
-        let reason = format!("{} = {value:.6} fell below {limit} at t = {t} s: {}", guard.name, guard.message);
+        let (name, unit) = (&guard.name, &guard.unit);
+        let reason = format!("{name} = {value:.6}{unit} fell below {limit:.6}{unit} at t = {t} s: {}", guard.message);
         self.ending.status = Status::Failed(reason);
     }
 

@@ -53,7 +53,9 @@ fn the_ground_is_hit_when_it_is_hit() {
         assert!((run.report.t_end - exact).abs() < tolerance, "{method}: {} for {exact}", run.report.t_end);
         assert_eq!(times(&run, "event `ground`"), [run.report.t_end]);
         assert!(run.trajectory.t.iter().all(|t| *t <= run.report.t_end));
-        assert_eq!(run.trajectory.t.len(), 1 + (run.report.t_end / (10.0 / 300.0)).floor() as usize);
+        // the rows until then, and the one at which it ended
+        assert_eq!(run.trajectory.t.len(), 2 + (run.report.t_end / (10.0 / 300.0)).floor() as usize);
+        assert_eq!(run.trajectory.t.last(), Some(&run.report.t_end));
         assert!(run.trajectory.rows.iter().flatten().all(|x| x.is_finite()));
     }
 }
@@ -193,7 +195,7 @@ fn a_number_that_is_none_ends_the_run_with_its_name() {
         let t = run.report.t_end;
         assert!(t > 1.7 && t <= landing(10.0) + 0.01, "{method}: {t} for {}", landing(10.0));
         assert!(run.trajectory.rows.iter().flatten().all(|x| x.is_finite()), "{method}");
-        let expected = 1 + (t / (10.0 / 300.0)).floor() as usize;
+        let expected = 2 + (t / (10.0 / 300.0)).floor() as usize;
         assert_eq!(run.trajectory.t.len(), expected, "{method}: rows until t = {t}");
         assert!(run.report.rhs < 100_000, "{method}: {}", run.report.rhs);
     }
@@ -243,7 +245,7 @@ fn a_stop_event_before_the_first_output() {
     event(&mut s, "soon", "t - 0.001[s]", "rising", true);
     let run = run_with(&build(&s), |o| o.points = 2);
     assert!(matches!(run.report.status, Status::Stopped(_)));
-    assert_eq!(run.trajectory.t, [0.0]);
+    assert_eq!(run.trajectory.t, [0.0, run.report.t_end]);
     assert!((run.report.t_end - 0.001).abs() < 1e-12);
 }
 
