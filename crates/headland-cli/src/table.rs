@@ -42,12 +42,10 @@ pub(crate) fn table(trajectory: &Trajectory, all_rows: bool) -> String {
         text.push('\n');
     }
     if columns.len() < titles.len() {
-        let _ = writeln!(
-            text,
-            "  … {} more columns in trajectory.csv: {}",
-            titles.len() - columns.len(),
-            titles[columns.len()..].join(", ")
-        );
+        let hidden = &titles[columns.len()..];
+        let named = hidden.iter().take(10).cloned().collect::<Vec<_>>().join(", ");
+        let more = if hidden.len() > 10 { ", …" } else { "" };
+        let _ = writeln!(text, "  … {} more columns in trajectory.csv: {named}{more}", hidden.len());
     }
     text
 }

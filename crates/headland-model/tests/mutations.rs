@@ -248,7 +248,7 @@ fn mutate(text: &str, kind: u8, a: u32, b: u32, c: u32) -> String {
         9 => {
             return replace(
                 spans(text, |c| "()[]{}\"".contains(c)),
-                if c % 2 == 0 { String::new() } else { pick(OPERATORS, b) },
+                if c.is_multiple_of(2) { String::new() } else { pick(OPERATORS, b) },
             );
         }
         10 => return insert(&pick(OPERATORS, b)),

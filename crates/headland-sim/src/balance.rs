@@ -5,6 +5,8 @@
 //! ```
 //! The integral is taken over each accepted step by Gauss' rule with four points (order 8) on the dense output.
 
+use std::rc::Rc;
+
 use headland_code::{Evaluator, Function, TapeEvaluator};
 use headland_solve::{Integrator, SolveError};
 
@@ -20,6 +22,7 @@ const GAUSS: [(f64, f64); 4] = [
 
 /// Work and energy since the start.
 pub struct Balance {
+    system: Rc<System>,
     energies: TapeEvaluator,
     y: Vec<f64>,
     start: Option<f64>,
@@ -29,16 +32,17 @@ pub struct Balance {
     largest: f64,
     /// Largest defect so far, J.
     worst: f64,
-    /// Evaluations of the right-hand side spent.
+    /// Evaluations of energies and power.
     pub evaluations: u64,
 }
 
 impl Balance {
     /// Starts the account.
-    pub fn new(system: &System) -> Self {
+    pub fn new(system: Rc<System>) -> Self {
         Self {
-            energies: system.energies.evaluator(),
+            energies: system.energies.function.evaluator(),
             y: vec![0.0; system.len()],
+            system,
             start: None,
             work: 0.0,
             turnover: 0.0,
@@ -49,15 +53,16 @@ impl Balance {
     }
 
     /// The account goes on with another system (a new partition).
-    pub fn change_system(&mut self, system: &System) {
-        self.energies = system.energies.evaluator();
+    pub fn change_system(&mut self, system: Rc<System>) {
+        self.energies = system.energies.function.evaluator();
         self.y.resize(system.len(), 0.0);
+        self.system = system;
     }
 
     /// Energy `T + V` and power at a state.
     fn evaluate(&mut self, problem: &mut Problem, t: f64, y: &[f64]) -> (f64, f64, f64) {
         self.evaluations += 1;
-        let out = self.energies.eval(problem.full_inputs(t, y));
+        let out = self.energies.eval(problem.inputs_for(&self.system.energies, t, y));
         (out[0], out[1], out[2])
     }
 

@@ -44,11 +44,11 @@ impl Recorder {
 
     fn row(&mut self, work: &mut Work, t: f64, y: &[f64]) {
         self.evaluations += 1;
-        let x = work.problem.full_inputs(t, y);
-        let out = work.outputs.eval(x);
+        let out = work.outputs.eval(work.problem.inputs_for(&work.system.outputs, t, y));
         self.trajectory.rows.push(out.iter().zip(&self.factors).map(|(v, f)| v * f).collect());
         self.trajectory.t.push(t);
         if work.has_residuals {
+            let x = work.problem.inputs_for(&work.system.residuals, t, y);
             let worst = work.residuals.eval(x).iter().fold(0.0_f64, |a, r| a.max(r.abs()));
             self.residual = Some(self.residual.unwrap_or(0.0).max(worst));
         }

@@ -74,7 +74,7 @@ pub struct RunReport {
     pub rejected: u64,
     /// Evaluations of the right-hand side by the integrator.
     pub rhs: u64,
-    /// Evaluations for outputs and the energy balance.
+    /// States evaluated for outputs and the energy balance.
     pub rhs_outputs: u64,
     /// Jacobians.
     pub jacobians: u64,

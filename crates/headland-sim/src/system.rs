@@ -21,6 +21,15 @@ pub enum Watch {
     Guard(usize),
 }
 
+/// A compiled function of `x = [t, y, u′]` that knows whether it reads u′: if not, none has to be found for it.
+#[derive(Clone, Debug)]
+pub struct Compiled {
+    /// The function.
+    pub function: TapeFunction,
+    /// Whether it reads u′.
+    pub reads_accelerations: bool,
+}
+
 /// Equations compiled for one set of parameters.
 pub struct System {
     /// Coordinates and quasi-velocities.
@@ -39,16 +48,16 @@ pub struct System {
     linear_solver: LinearSolver,
     rhs: TapeFunction,
     jacobian: OnceCell<(Jacobian<TapeFunction>, Pattern)>,
-    /// Columns; needs u′.
-    pub outputs: TapeFunction,
-    /// Kinetic energy, potential energy, all power; needs u′.
-    pub energies: TapeFunction,
+    /// Columns.
+    pub outputs: Compiled,
+    /// Kinetic energy, potential energy, all power.
+    pub energies: Compiled,
     /// Quantities of the guards.
-    pub guards: TapeFunction,
+    pub guards: Compiled,
     /// Residuals of the velocity constraints in form (1).
-    pub residuals: TapeFunction,
+    pub residuals: Compiled,
     /// Scaled entries of G of the dependent rates: the growth of the partition.
-    pub growth: TapeFunction,
+    pub growth: Compiled,
     events: TapeFunction,
     /// What each event function watches.
     pub watches: Vec<Watch>,
@@ -82,20 +91,24 @@ impl System {
         let growth = Self::growth_nodes(equations, &graph, &copy);
         let energies = Self::energy_nodes(equations, &graph, &copy);
 
-        let compile = |nodes: &[NodeId]| TapeFunction::compile(&graph, nodes);
+        let plain = |nodes: &[NodeId]| TapeFunction::compile(&graph, nodes);
+        let compile = |nodes: &[NodeId]| {
+            let reads = graph.depends(nodes, |input| input > nq + nu);
+            Compiled { function: plain(nodes), reads_accelerations: reads.contains(&true) }
+        };
         let names =
             model.coordinates.iter().map(|c| c.name.clone()).chain(kinematics.quasi.iter().map(|u| u.name.clone()));
         Self {
             names: names.collect(),
             nq,
             nu,
-            rhs: compile(&rhs_roots),
+            rhs: plain(&rhs_roots),
             outputs: compile(&outputs),
             energies: compile(&energies),
             guards: compile(&guards),
             residuals: compile(&residuals),
             growth: compile(&growth),
-            events: compile(&events),
+            events: plain(&events),
             jacobian: OnceCell::new(),
             linear_solver: equations.linear_solver,
             kinematics,
@@ -296,7 +309,16 @@ impl Problem {
         self.x[1..=y.len()].copy_from_slice(y);
     }
 
-    /// `x = [t, y, u′]` with u′ as the equations make it, for outputs and energies.
+    /// `x` for a compiled function: with u′ only if it reads them.
+    pub fn inputs_for(&mut self, function: &Compiled, t: f64, y: &[f64]) -> &[f64] {
+        if function.reads_accelerations {
+            return self.full_inputs(t, y);
+        }
+        self.load(t, y);
+        &self.x
+    }
+
+    /// `x = [t, y, u′]` with u′ as the equations make it.
     pub fn full_inputs(&mut self, t: f64, y: &[f64]) -> &[f64] {
         let mut dy = std::mem::take(&mut self.dy);
         dy.resize(y.len(), 0.0);

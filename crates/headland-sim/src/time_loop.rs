@@ -71,7 +71,7 @@ impl<'m> TimeLoop<'m> {
         Ok(Self {
             integrator: method.create(system.len(), solver_options(model, &system, options))?,
             y: start_state(model, equations, options.from)?,
-            balance: options.balance.then(|| Balance::new(&system)),
+            balance: options.balance.then(|| Balance::new(system.clone())),
             warned: vec![false; model.guards.len()],
             known: vec![(equations.clone(), system)],
             equations: equations.clone(),
@@ -229,7 +229,7 @@ impl<'m> TimeLoop<'m> {
         self.ending.stats.restarts += 1; // the new integrator does not count its first start
         self.integrator = self.method.create(system.len(), solver_options(self.model, &system, self.options))?;
         if let Some(balance) = &mut self.balance {
-            balance.change_system(&system);
+            balance.change_system(system.clone());
         }
         self.work = Work::new(system, self.method);
         Ok(())
@@ -239,8 +239,8 @@ impl<'m> TimeLoop<'m> {
         if self.model.guards.is_empty() {
             return;
         }
-        let x = self.work.problem.full_inputs(t, &self.y);
-        let values = self.work.guards.eval(x).to_vec();
+        let work = &mut self.work;
+        let values = work.guards.eval(work.problem.inputs_for(&work.system.guards, t, &self.y)).to_vec();
         for (i, (guard, value)) in self.model.guards.iter().zip(values).enumerate() {
             let below = guard.warn_below.is_some_and(|limit| value < limit);
             if below && !self.warned[i] {

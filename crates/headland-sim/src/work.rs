@@ -27,21 +27,21 @@ impl Work {
     pub(crate) fn new(system: Rc<System>, method: Method) -> Self {
         Self {
             problem: Problem::new(system.clone(), method.is_implicit()),
-            outputs: system.outputs.evaluator(),
-            residuals: system.residuals.evaluator(),
-            guards: system.guards.evaluator(),
-            growth: system.growth.evaluator(),
-            has_residuals: system.residuals.outputs() > 0,
+            outputs: system.outputs.function.evaluator(),
+            residuals: system.residuals.function.evaluator(),
+            guards: system.guards.function.evaluator(),
+            growth: system.growth.function.evaluator(),
+            has_residuals: system.residuals.function.outputs() > 0,
             system,
         }
     }
 
     /// Largest scaled entry of G among the eliminated rates; 0 where nothing was chosen.
     pub(crate) fn growth(&mut self, t: f64, y: &[f64]) -> f64 {
-        if self.system.growth.outputs() == 0 {
+        if self.system.growth.function.outputs() == 0 {
             return 0.0;
         }
-        let x = self.problem.full_inputs(t, y);
+        let x = self.problem.inputs_for(&self.system.growth, t, y);
         self.growth.eval(x).iter().fold(0.0, |a: f64, g| a.max(g.abs()))
     }
 
