@@ -64,6 +64,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let mut progress = Progress::new(options.from, options.until, args.json);
     let result = headland::run(&model, &options, &mut progress);
     progress.finish();
+    if result.is_err() {
+        let _ = std::fs::remove_dir(&folder); // only if it is empty: nothing was computed
+    }
     let result = result.map_err(|e| match e {
         RunError::Derive(error) => derive_failure(&model, &error),
         other => other.into(),

@@ -9,7 +9,7 @@ use crate::direct::{MassForm, derive_direct};
 use crate::energy::{Energies, form_energies};
 use crate::error::DeriveError;
 use crate::kinematics::{Kinematics, solve_kinematics};
-use crate::sample::start_inputs;
+use crate::sample::{first_not_finite, start_inputs};
 use crate::scalar_inertia::check_scalar_inertia;
 use crate::solve::{packed, solve_crout, solve_ldl, unpack};
 use crate::structures::{Flow, form_structures};
@@ -134,6 +134,14 @@ pub fn derive_at(model: &Model, inputs: &[f64], options: &DeriveOptions) -> Resu
     })
 }
 
+/// The coordinates whose rates would be eliminated at the given inputs of the graph, in the order of elimination.
+///
+/// # Errors
+/// As [`derive()`], of the kinematics.
+pub fn choose_dependent(model: &Model, inputs: &[f64]) -> Result<Vec<usize>, DeriveError> {
+    Ok(solve_kinematics(model, inputs, &mass_diagonal(model, inputs))?.dependent)
+}
+
 struct Chosen<'g> {
     form: MassForm<'g>,
     algorithm: &'static str,
@@ -184,7 +192,8 @@ fn check_mass(model: &Model, kinematics: &Kinematics, form: &MassForm<'_>, input
     let mut m = graph.eval(&ids, inputs);
     let diagonal: Vec<f64> = (0..n).map(|i| m[packed(i, i)]).collect();
     if let Some(k) = m.iter().position(|x| !x.is_finite()) {
-        return Err(DeriveError::NotFinite { name: format!("the mass matrix (entry {k})"), value: m[k] });
+        let name = first_not_finite(model, &[], inputs).unwrap_or(format!("entry {k} of the mass matrix"));
+        return Err(DeriveError::NotFinite { name, value: m[k] });
     }
     solve_ldl(&mut m, &mut vec![0.0; n]);
     for i in 0..n {

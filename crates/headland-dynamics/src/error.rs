@@ -71,7 +71,7 @@ pub enum DeriveError {
         pivot: f64,
     },
     /// Something is not finite at the start.
-    #[error("`{name}` is {value} at the start")]
+    #[error("{name} at the start, so the mass matrix is {value}")]
     NotFinite {
         /// What it is.
         name: String,

@@ -35,7 +35,7 @@ pub mod scalar_inertia;
 pub mod solve;
 pub mod structures;
 
-pub use derive::{Algorithm, DeriveOptions, Equations, derive, derive_at};
+pub use derive::{Algorithm, DeriveOptions, Equations, choose_dependent, derive, derive_at};
 pub use energy::Energies;
 pub use error::DeriveError;
 pub use initial::initial_velocities;

@@ -44,7 +44,7 @@ fn name_entries(model: &Model, equations: &Equations) -> Named {
     let entry = |base: &str, i: usize, j: usize| match n {
         1 => base.to_string(),
         _ if j == usize::MAX => format!("{base}[{}]", i + 1),
-        _ => format!("{base}[{},{}]", i + 1, j + 1),
+        _ => format!("{base}_{}[{}]", i + 1, j + 1),
     };
     let mut structure = Vec::new();
     for (e, row) in model.elements.iter().zip(&equations.structure_matrix) {

@@ -269,7 +269,12 @@ impl<'g> Builder<'_, 'g> {
             Ok(members) => members,
             Err(message) => return Err(self.low.report(entry.key_place.clone(), message)),
         };
-        let count = if index.is_some() { members.len() as i64 } else { 0 };
+        // 0: a single one; a family without members, of an index with none, counts -1
+        let count = match (&index, members.len()) {
+            (None, _) => 0,
+            (Some(_), 0) => -1,
+            (Some(_), n) => n as i64,
+        };
         if index.is_some() && members.iter().enumerate().any(|(i, (m, _))| *m != i as i64 + 1) {
             let message = format!("members of {new} count from 1: write `{}[k]`", key.name);
             return Err(self.low.report(entry.key_place.clone(), message));

@@ -4,7 +4,7 @@ use std::rc::Rc;
 use std::time::Instant;
 
 use headland_code::Evaluator;
-use headland_dynamics::{Equations, derive_at};
+use headland_dynamics::{Equations, choose_dependent, derive_at};
 use headland_model::{Direction, Model};
 use headland_solve::{Integrator, Method, SolveError, Stats, Step};
 
@@ -207,15 +207,17 @@ impl<'m> TimeLoop<'m> {
     /// The equations for the independent rates that suit the given state, derived or fetched; none if they are the present ones.
     fn derive_again(&mut self, inputs: &[f64]) -> Option<(Equations, Rc<System>)> {
         let clock = Instant::now();
-        let equations = derive_at(self.model, inputs, &self.options.derive).ok()?;
+        let dependent = choose_dependent(self.model, inputs).ok()?;
         self.ending.derive_s += clock.elapsed().as_secs_f64();
-        let dependent = &equations.kinematics.dependent;
-        if *dependent == self.work.system.kinematics.dependent {
+        if dependent == self.work.system.kinematics.dependent {
             return None;
         }
-        if let Some(known) = self.known.iter().find(|(e, _)| e.kinematics.dependent == *dependent) {
+        if let Some(known) = self.known.iter().find(|(e, _)| e.kinematics.dependent == dependent) {
             return Some(known.clone());
         }
+        let clock = Instant::now();
+        let equations = derive_at(self.model, inputs, &self.options.derive).ok()?;
+        self.ending.derive_s += clock.elapsed().as_secs_f64();
         let clock = Instant::now();
         let system = Rc::new(System::new(self.model, &equations));
         self.ending.compile_s += clock.elapsed().as_secs_f64();
@@ -227,7 +229,9 @@ impl<'m> TimeLoop<'m> {
     fn use_system(&mut self, system: Rc<System>) -> Result<(), SolveError> {
         add(&mut self.ending.stats, self.integrator.stats());
         self.ending.stats.restarts += 1; // the new integrator does not count its first start
-        self.integrator = self.method.create(system.len(), solver_options(self.model, &system, self.options))?;
+        let mut options = solver_options(self.model, &system, self.options);
+        options.max_steps = self.options.max_steps.saturating_sub(self.ending.stats.steps); // of the whole run
+        self.integrator = self.method.create(system.len(), options)?;
         if let Some(balance) = &mut self.balance {
             balance.change_system(system.clone());
         }

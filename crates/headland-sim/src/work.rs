@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use headland_code::{Evaluator, Function, TapeEvaluator};
 use headland_dynamics::initial::kinematic_matrices;
-use headland_dynamics::sample::start_inputs;
+use headland_dynamics::sample::{first_not_finite, start_inputs};
 use headland_dynamics::{DeriveError, Equations, initial_velocities};
 use headland_model::Model;
 use headland_solve::{Method, Options};
@@ -75,17 +75,8 @@ impl Work {
     pub(crate) fn blame(&self, model: &Model, equations: &Equations) -> Option<String> {
         let (t, y) = self.problem.not_finite.as_ref()?;
         let inputs = self.model_inputs(model, *t, y);
-        let at = |place: &headland_model::Place| model.source.locate(place);
-        let definitions = model.definitions.iter().map(|d| (format!("`{}` ({})", d.name, at(&d.place)), d.node));
-        let values = model.elements.iter();
-        let values = values.map(|e| (format!("the value of `{}` ({})", e.name, at(&e.place)), e.value));
-        let rates = model.elements.iter().zip(&equations.structure_rates);
-        let rates = rates.map(|(e, r)| (format!("the rate of the structure of `{}` ({})", e.name, at(&e.place)), *r));
-        let all: Vec<(String, headland_expr::NodeId)> = definitions.chain(values).chain(rates).collect();
-        let nodes: Vec<headland_expr::NodeId> = all.iter().map(|(_, n)| *n).collect();
-        let found = model.graph.eval(&nodes, &inputs);
-        let first = found.iter().position(|x| !x.is_finite())?;
-        Some(format!("{} is {} at t = {t} s", all[first].0, found[first]))
+        let found = first_not_finite(model, &equations.structure_rates, &inputs)?;
+        Some(format!("{found} at t = {t} s"))
     }
 }
 
