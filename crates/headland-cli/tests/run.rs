@@ -234,7 +234,9 @@ fn odd_plots_are_drawn() {
     for args in [&["--points", "30"][..], &["--at", "0.5"], &["--at", "0,1"]] {
         let all: Vec<&str> =
             ["run", "stone.toml", "--plot", "--out", "plots"].into_iter().chain(args.iter().copied()).collect();
-        folder.good(&all);
+        let called = folder.call(&all);
+        assert_eq!(called.code, 0, "{}", called.stderr);
+        assert!(called.stderr.lines().all(|l| l.contains("is not finite")), "{}", called.stderr);
         let files = folder.files("plots");
         assert_eq!(files.iter().filter(|f| f.ends_with(".svg")).count(), 5, "{files:?}");
         assert_eq!(files.iter().filter(|f| f.ends_with(".png")).count(), 5, "{files:?}");

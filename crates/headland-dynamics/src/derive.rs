@@ -99,9 +99,12 @@ pub fn derive_at(model: &Model, inputs: &[f64], options: &DeriveOptions) -> Resu
 
     let n = kinematics.quasi.len();
     let solver = model.run.linear_solver;
-    let accelerations = (n <= options.unroll).then(|| {
+    let accelerations = (n <= options.unroll || is_sparse(&chosen.form.m, n)).then(|| {
         let mut f = chosen.form.f.clone();
         match solver {
+            _ if is_diagonal(&chosen.form.m, n) => {
+                (0..n).for_each(|i| f[i] = f[i] / chosen.form.m[packed(i, i)]);
+            }
             LinearSolver::Ldl => solve_ldl(&mut chosen.form.m.clone(), &mut f),
             LinearSolver::Crout => solve_crout(&mut unpack(&chosen.form.m, n), &mut f),
         }
@@ -147,6 +150,29 @@ struct Chosen<'g> {
     algorithm: &'static str,
     why: String,
     difference: Option<f64>,
+}
+
+fn is_diagonal(m: &[Expr<'_>], n: usize) -> bool {
+    (0..n).all(|i| (0..i).all(|j| m[packed(i, j)].is(0.0)))
+}
+
+/// Whether `L D Lᵀ` unrolled has few operations for its size: counted on the pattern, fill included.
+fn is_sparse(m: &[Expr<'_>], n: usize) -> bool {
+    if n > 200 {
+        return is_diagonal(m, n);
+    }
+    let mut there: Vec<bool> = m.iter().map(|e| !e.is(0.0)).collect();
+    let mut products = 0;
+    for k in 0..n {
+        let below: Vec<usize> = (k + 1..n).filter(|&i| there[packed(i, k)]).collect();
+        for (a, &i) in below.iter().enumerate() {
+            for &j in &below[..=a] {
+                there[packed(i, j)] = true;
+                products += 1;
+            }
+        }
+    }
+    products <= 10 * n
 }
 
 /// Both derivations where that is wanted; the cheaper one is kept.

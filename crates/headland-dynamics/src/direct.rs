@@ -25,12 +25,13 @@ pub fn derive_direct<'g>(model: &Model, kinematics: &Kinematics, s: &Structures<
     let mut m = vec![Expr::Const(0.0); n * (n + 1) / 2];
     let mut f = vec![Expr::Const(0.0); n];
     for e in 0..model.elements.len() {
-        for i in 0..n {
+        let acts: Vec<usize> = (0..n).filter(|&i| !s.w[e][i].is(0.0)).collect();
+        for (k, &i) in acts.iter().enumerate() {
             let w = s.w[e][i];
             // w bias first: where W is a square root, the bias has it as its denominator
             f[i] = f[i] + (w * s.force[e] - s.inertia[e] * (w * s.bias[e]));
             let jw = s.inertia[e] * w;
-            for j in 0..=i {
+            for &j in &acts[..=k] {
                 // J W² keeps its square: (√x)² = x there
                 let term = if i == j { s.inertia[e] * (w * w) } else { jw * s.w[e][j] };
                 m[packed(i, j)] = m[packed(i, j)] + term;

@@ -19,7 +19,7 @@ pub enum DeriveError {
     /// A scalar inertia element on a speed whose equation would lose a term.
     #[error(
         "the scalar inertia element `{name}` is given on a speed that is not the rate of any coordinate; with the \
-         {count} quasi-velocities {quasi} its equation would lose a term (as the sleigh {{m, v_long}}, {{m, v_lat}}, \
+         quasi-velocities {quasi} ({count}) its equation would lose a term (as the sleigh {{m, v_long}}, {{m, v_lat}}, \
          {{J, theta}} loses b w^2). Give the mass two elements on the coordinates of its centre, `geometric = \"x + ..\"` \
          and `geometric = \"y + ..\"`"
     )]

@@ -254,6 +254,16 @@ impl<'g> Mul for Expr<'g> {
                     return p * x / q;
                 }
             }
+            // q (a (p / q)) = a p
+            if let Some([first, second]) = quotient.match_op(Op::Mul) {
+                for (factor, inner) in [(first, second), (second, first)] {
+                    if let Some([p, q]) = inner.match_op(Op::Div)
+                        && q == x
+                    {
+                        return factor * p;
+                    }
+                }
+            }
         }
         let ((base_a, n), (base_b, m)) = (a.as_power(), b.as_power());
         if base_a == base_b && !matches!(a, Expr::Const(_)) && n > 0 && m > 0 {

@@ -1,5 +1,6 @@
 //! Dimensions that must agree; the messages name both sides.
 
+use crate::depend::Kinds;
 use crate::dimension::Dimension;
 use crate::lower::{Lowering, Reported, Typed};
 use crate::place::Place;
@@ -81,6 +82,11 @@ impl<'g> Lowering<'g> {
     ) -> Result<(), Reported> {
         let Err(conflict) = self.unifier.unify(&a.0.dimension, &Dimension::NONE) else { return Ok(()) };
         let found = conflict.0;
+        // Of the time alone, as in sin(t): it counts seconds.
+        let others = Kinds::TIME.not();
+        if found.is_power_of_time() && !self.dependence.any(a.0.expr, others) {
+            return Ok(());
+        }
         let text = formula.text.get(a.1.clone()).unwrap_or("");
         let message = format!(
             "{what} must be a pure number or an angle, but `{text}` is {} [{}]",

@@ -255,7 +255,7 @@ impl<'s, 'g> Builder<'s, 'g> {
         if self.low.coordinates.is_empty() {
             self.low.report(Place::Program, "the scene has no coordinates: `[coordinates]` with names and units");
         }
-        if self.parts.elements.iter().all(|e| e.kind != ElementKind::Inertia) && !self.low.coordinates.is_empty() {
+        if self.scene.section_elements("inertia").is_empty() && !self.low.coordinates.is_empty() {
             let place = self.scene.section("coordinates").first().map_or(Place::Program, |e| e.key_place.clone());
             self.low.report(place, "the scene has no inertia element: [[inertia]] with a value and a structure");
         }

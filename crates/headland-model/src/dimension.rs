@@ -99,6 +99,11 @@ impl Dimension {
         self.unknown.is_empty()
     }
 
+    /// True for seconds to any power.
+    pub fn is_power_of_time(&self) -> bool {
+        self.known[0].is_zero() && self.known[1].is_zero() && self.unknown.is_empty()
+    }
+
     /// True for pure numbers and angles.
     pub fn is_none(&self) -> bool {
         self.known.iter().all(|k| k.is_zero()) && self.unknown.is_empty()

@@ -54,6 +54,14 @@ impl Recorder {
         }
     }
 
+    /// Columns that are not finite somewhere, with the first time.
+    pub(crate) fn not_finite(&self) -> Vec<(String, f64)> {
+        let rows = || self.trajectory.t.iter().zip(&self.trajectory.rows);
+        let first = |i: usize| rows().find(|(_, row)| !row[i].is_finite()).map(|(t, _)| *t);
+        let names = self.trajectory.names.iter().enumerate();
+        names.filter_map(|(i, name)| first(i).map(|t| (name.clone(), t))).collect()
+    }
+
     /// The row at which a run ended before its time, where rows are not asked for at given times.
     pub(crate) fn last_row(&mut self, work: &mut Work, t: f64, y: &[f64]) {
         if !self.exact && self.trajectory.t.last().is_some_and(|last| *last < t) {

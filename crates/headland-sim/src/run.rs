@@ -33,7 +33,7 @@ pub fn run(model: &Model, options: &RunOptions, observer: &mut dyn Observer) -> 
     let derive_s = clock.elapsed().as_secs_f64();
     let clock = Instant::now();
     let system = Rc::new(System::new(model, &equations));
-    let schedule = Rc::new(Schedule::new(&system, options));
+    let schedule = Rc::new(Schedule::new(model, options));
     let compile_s = clock.elapsed().as_secs_f64();
 
     let mut times = Vec::new();

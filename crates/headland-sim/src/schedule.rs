@@ -1,9 +1,10 @@
 //! [`Schedule`]: times at which a method must stop, and how long its steps may be.
 
+use headland_expr::NodeId;
 use headland_expr::timeline::{Timeline, timeline};
+use headland_model::{Model, RowForm};
 
 use crate::options::RunOptions;
-use crate::system::System;
 
 /// Breakpoints and quick spells of the functions of time, and the output times that are asked for.
 pub(crate) struct Schedule {
@@ -16,10 +17,23 @@ pub(crate) struct Schedule {
 }
 
 impl Schedule {
-    pub(crate) fn new(system: &System, options: &RunOptions) -> Self {
+    /// Looks at the functions of time as the scene gives them: what elimination makes of them has poles that belong to
+    /// the partition, not to the machine.
+    pub(crate) fn new(model: &Model, options: &RunOptions) -> Self {
         let (from, until) = (options.from, options.until);
-        let inputs = vec![0.0; system.graph.input_count()];
-        let timeline = timeline(&system.graph, system.roots(), 0, &inputs, |i| i > 0, from, until);
+        let rows = model.kinematics.iter().map(|r| match r.form {
+            RowForm::Rate(_, node) | RowForm::Zero(node) => node,
+        });
+        let elements = model.elements.iter().flat_map(|e| [e.value, e.structure]);
+        let watched = model.events.iter().map(|e| e.quantity).chain(model.guards.iter().map(|g| g.quantity));
+        let roots: Vec<NodeId> =
+            rows.chain(elements).chain(watched).chain(model.prescribed.iter().map(|p| p.node)).collect();
+        let inputs = model.inputs();
+        let time = model.input_index(model.time);
+        let mut varying = vec![true; inputs.len()];
+        varying[time] = false;
+        model.parameters.iter().for_each(|p| varying[p.input] = false);
+        let timeline = timeline(&model.graph, &roots, time, &inputs, |i| varying[i], from, until);
         let inside = |t: &f64| *t > from && *t < until;
         // those at the ends too: there, functions of time are those of the run's side
         let breakpoints: Vec<f64> =

@@ -171,11 +171,6 @@ impl System {
         self.rhs.operations()
     }
 
-    /// Nodes that depend on time and state and decide about breakpoints: the right-hand side and the events.
-    pub fn roots(&self) -> &[NodeId] {
-        &self.rhs_roots
-    }
-
     /// The exact Jacobian of `[q′, u′]` (unrolled) or of `[q′, M a − F]`, made when first asked for.
     fn jacobian(&self) -> &(Jacobian<TapeFunction>, Pattern) {
         self.jacobian.get_or_init(|| {

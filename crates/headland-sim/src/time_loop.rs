@@ -111,6 +111,27 @@ impl<'m> TimeLoop<'m> {
         if self.ending.status != Status::Done {
             recorder.last_row(&mut self.work, self.integrator.t(), self.integrator.y());
         }
+        self.judge(recorder, observer);
+    }
+
+    /// What a run that came to its end should still be warned of.
+    fn judge(&mut self, recorder: &Recorder, observer: &mut dyn Observer) {
+        let t = self.integrator.t();
+        let defect = self.balance.as_ref().map_or(0.0, Balance::defect);
+        if defect > self.options.tolerance.sqrt() {
+            let message = format!(
+                "warning: work and energy disagree by {defect:.1e} of the run's largest energy; a tighter tolerance \
+                 helps, unless a function jumps or an inertia element does not mean what it says"
+            );
+            self.tell(t, &message, observer);
+        }
+        for (name, first) in recorder.not_finite() {
+            self.tell(
+                t,
+                &format!("warning: the column `{name}` is not finite at t = {first} s and maybe later"),
+                observer,
+            );
+        }
     }
 
     fn begin(&mut self, recorder: &mut Recorder, observer: &mut dyn Observer) -> Result<(), SolveError> {
@@ -148,11 +169,27 @@ impl<'m> TimeLoop<'m> {
         let stiff = self.leave_explicit(t, observer)?;
         let changed = self.repartition(t, observer)?;
         if breakpoint || stiff || changed {
+            let before = self.work.kinetic(t, &self.y);
             let (a, b) = self.schedule.span(t);
             self.work.problem.set_span(a, b);
+            if breakpoint && !changed {
+                self.warn_of_jump(t, before, observer);
+            }
             self.integrator.start(&mut self.work.problem, t, &self.y)?;
         }
         Ok(())
+    }
+
+    /// A prescribed motion or a constraint that jumps would need an impulse, which is not computed.
+    fn warn_of_jump(&mut self, t: f64, before: f64, observer: &mut dyn Observer) {
+        let after = self.work.kinetic(t, &self.y);
+        if (after - before).abs() > 1e-9 * (after.abs() + before.abs()) {
+            let message = format!(
+                "warning: the kinetic energy jumps from {before:.6} to {after:.6} J: a prescribed motion or a constraint \
+                 jumps or has a corner, which would need an impulse; none is computed, smooth the function of time"
+            );
+            self.tell(t, &message, observer);
+        }
     }
 
     /// `auto` goes over to BDF when the explicit method's steps stay at the bound of stability.
@@ -195,7 +232,11 @@ impl<'m> TimeLoop<'m> {
         }
         let names: Vec<&str> = system.kinematics.quasi.iter().map(|u| u.name.as_str()).collect();
         let message = format!("independent rates are now {} (growth of the old ones: {growth:.1})", names.join(", "));
-        self.tell(t, &message, observer);
+        match self.ending.repartitions {
+            0..5 => self.tell(t, &message, observer),
+            5 => self.tell(t, "further changes of the independent rates are counted, not told", observer),
+            _ => {}
+        }
         self.ending.repartitions += 1;
         self.growth_limit = GROWTH;
         self.equations = equations;

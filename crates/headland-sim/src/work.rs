@@ -20,6 +20,7 @@ pub(crate) struct Work {
     pub(crate) residuals: TapeEvaluator,
     pub(crate) guards: TapeEvaluator,
     growth: TapeEvaluator,
+    energies: TapeEvaluator,
     pub(crate) has_residuals: bool,
 }
 
@@ -31,9 +32,15 @@ impl Work {
             residuals: system.residuals.function.evaluator(),
             guards: system.guards.function.evaluator(),
             growth: system.growth.function.evaluator(),
+            energies: system.energies.function.evaluator(),
             has_residuals: system.residuals.function.outputs() > 0,
             system,
         }
+    }
+
+    /// Kinetic energy, J.
+    pub(crate) fn kinetic(&mut self, t: f64, y: &[f64]) -> f64 {
+        self.energies.eval(self.problem.inputs_for(&self.system.energies, t, y))[0]
     }
 
     /// Largest scaled entry of G among the eliminated rates; 0 where nothing was chosen.
@@ -96,5 +103,6 @@ pub(crate) fn solver_options(model: &Model, system: &System, options: &RunOption
     let mut solver = Options::new(options.tolerance, scales.map(|s| s * options.tolerance).collect());
     solver.max_steps = options.max_steps;
     solver.h_max = options.max_step;
+    solver.event_samples = 9; // places inside a step at which events and guards are looked at
     solver
 }
