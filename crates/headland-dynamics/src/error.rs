@@ -61,8 +61,13 @@ pub enum DeriveError {
     },
     /// The mass matrix has no inverse.
     #[error(
-        "the mass matrix is singular at the start: no inertia moves with `{name}` alone (pivot {pivot:.3e}); every \
-         quasi-velocity needs an inertia element whose structure contains it"
+        "the mass matrix is {} at the start (pivot {pivot:.3e} for `{name}`); {}",
+        if *pivot < 0.0 { "not positive" } else { "singular" },
+        if *pivot < 0.0 {
+            "a mass or a moment of inertia is negative"
+        } else {
+            "every quasi-velocity needs an inertia element whose structure contains it"
+        }
     )]
     SingularMass {
         /// The quasi-velocity whose pivot vanishes.

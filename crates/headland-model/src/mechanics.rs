@@ -139,6 +139,12 @@ impl<'g> Builder<'_, 'g> {
             self.low.demand(&b, &a.dimension, a.angle, &right, "the left side")?;
             let zero = Typed { expr: a.expr - b.expr, ..a };
             let name = bound_name(&name, &binding);
+            if self.depends(zero.expr, Kinds::RATE).is_none() {
+                let message = format!(
+                    "the constraint `{name}` contains no rate such as `x'`; it binds velocities, not positions"
+                );
+                return Err(self.low.report(place.clone(), message));
+            }
             self.no_accelerations(&zero, place, &format!("the constraint `{name}`"))?;
             let node = self.low.graph.id(zero.expr);
             self.parts.kinematics.push(KinematicRow { name, place: place.clone(), form: RowForm::Zero(node) });

@@ -171,6 +171,11 @@ impl System {
         self.rhs.operations()
     }
 
+    /// What the right-hand side is made of, as nodes of [`Self::graph`]: rates, then u′ or (lower triangle of M, F).
+    pub fn roots(&self) -> &[NodeId] {
+        &self.rhs_roots
+    }
+
     /// The exact Jacobian of `[q′, u′]` (unrolled) or of `[q′, M a − F]`, made when first asked for.
     fn jacobian(&self) -> &(Jacobian<TapeFunction>, Pattern) {
         self.jacobian.get_or_init(|| {

@@ -233,10 +233,11 @@ impl<'m> TimeLoop<'m> {
         let names: Vec<&str> = system.kinematics.quasi.iter().map(|u| u.name.as_str()).collect();
         let message = format!("independent rates are now {} (growth of the old ones: {growth:.1})", names.join(", "));
         match self.ending.repartitions {
-            0..5 => self.tell(t, &message, observer),
-            5 => self.tell(t, "further changes of the independent rates are counted, not told", observer),
+            0..5 => observer.message(t, &message),
+            5 => observer.message(t, "further changes of the independent rates are only noted in the report"),
             _ => {}
         }
+        self.ending.log.push(LogEntry { t, message });
         self.ending.repartitions += 1;
         self.growth_limit = GROWTH;
         self.equations = equations;

@@ -95,7 +95,9 @@ fn a_pinned_rate_is_right_until_it_fails() {
     // it steps over the singular place, no longer right, but not without a word
     let warning = pinned.report.log.iter().find(|l| l.message.contains("`independent`"));
     assert!(warning.is_some_and(|l| l.t < 1.0), "{:?}: {:?}", pinned.report.status, pinned.report.log);
-    assert!(pinned.report.log.len() == 1, "{:?}", pinned.report.log);
+    // and the balance says so too
+    assert!(pinned.report.log.len() == 2, "{:?}", pinned.report.log);
+    assert!(pinned.report.log[1].message.contains("work and energy disagree"), "{:?}", pinned.report.log);
     let well = run(&turning(CARTESIAN, Some("theta[1]'")));
     assert!(well.report.log.is_empty() && well.report.status == Status::Done, "{:?}", well.report.log);
 }
