@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use headland::dynamics::kinematics::velocity_name;
 use headland::model::ElementKind;
 use headland::{DeriveOptions, Method, derive};
 
@@ -24,8 +25,7 @@ pub(crate) fn check(args: &SceneArgs) -> Result<(), Failure> {
     let quasi = equations.kinematics.quasi.iter().zip(&start);
     let quasi: Vec<String> = quasi.map(|(u, value)| format!("{} = {value} {}", u.name, u.unit)).collect();
     let _ = writeln!(text, "start      {}", shorten(&quasi));
-    let dependent: Vec<String> =
-        equations.kinematics.dependent.iter().map(|i| format!("{}'", model.coordinates[*i].name)).collect();
+    let dependent: Vec<String> = equations.kinematics.dependent.iter().map(|v| velocity_name(&model, *v)).collect();
     if !dependent.is_empty() {
         let _ = writeln!(text, "dependent  {} (eliminated by the constraints)", shorten(&dependent));
     }

@@ -1,18 +1,18 @@
 //! [`derive()`]: a model to its equations of motion, by both algorithms where both are cheap.
 
 use headland_expr::{Dual, Expr, NodeId};
-use headland_model::{ElementKind, LinearSolver, Model, StructureForm};
+use headland_model::{Body, ElementKind, LinearSolver, Model, StructureForm};
 
 use crate::combine::{derive_combined, does_not_apply};
 use crate::compare::compare_derivations;
 use crate::direct::{MassForm, derive_direct};
 use crate::energy::{Energies, form_energies};
 use crate::error::DeriveError;
-use crate::kinematics::{Kinematics, solve_kinematics};
+use crate::kinematics::{Kinematics, solve_kinematics, velocity_inputs};
 use crate::sample::{first_not_finite, start_inputs};
 use crate::scalar_inertia::check_scalar_inertia;
 use crate::solve::{packed, solve_crout, solve_ldl, unpack};
-use crate::structures::{Flow, form_structures};
+use crate::structures::form_structures;
 
 /// Which derivation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -48,11 +48,9 @@ impl Default for DeriveOptions {
 pub struct Equations {
     /// Quasi-velocities and rates.
     pub kinematics: Kinematics,
-    /// `G′ u + g′`: second rates of the coordinates at `u′ = 0`.
-    pub drift: Vec<NodeId>,
-    /// `G`, one row a coordinate.
+    /// `G`, one row a velocity: rates of the coordinates, then named quasi-velocities.
     pub g: Vec<Vec<NodeId>>,
-    /// Diagonal of the mass matrix without constraints at the state of derivation; zero where nothing was chosen by it.
+    /// Diagonal of the mass matrix of the velocities without constraints at the state of derivation; zero where nothing was chosen by it.
     pub mass_diagonal: Vec<f64>,
     /// Lower triangle of M, row by row.
     pub mass: Vec<NodeId>,
@@ -60,9 +58,9 @@ pub struct Equations {
     pub force: Vec<NodeId>,
     /// `u′` unrolled, where there are few quasi-velocities.
     pub accelerations: Option<Vec<NodeId>>,
-    /// Rates of the structures, one an element.
+    /// Rates of the structures, one a row: scalar elements, six a body, three a load.
     pub structure_rates: Vec<NodeId>,
-    /// Structural matrices, one row an element.
+    /// Structural matrices, in the same order.
     pub structure_matrix: Vec<Vec<NodeId>>,
     /// Energies and powers.
     pub energies: Energies,
@@ -111,16 +109,15 @@ pub fn derive_at(model: &Model, inputs: &[f64], options: &DeriveOptions) -> Resu
         f.into_iter().map(|e| graph.id(e)).collect()
     });
     let ids = |es: &[Expr<'_>]| -> Vec<NodeId> { es.iter().map(|e| graph.id(*e)).collect() };
-    let mut g = vec![Vec::with_capacity(n); kinematics.rates.len()];
+    let mut g = vec![Vec::with_capacity(n); kinematics.velocities.len()];
     for u in &kinematics.quasi {
         let input = model.input_index(u.u);
-        for (row, e) in g.iter_mut().zip(graph.tangent(&kinematics.rates, |i| (i == input).then_some(Expr::Const(1.0))))
-        {
+        let column = graph.tangent(&kinematics.velocities, |i| (i == input).then_some(Expr::Const(1.0)));
+        for (row, e) in g.iter_mut().zip(column) {
             row.push(graph.id(e));
         }
     }
     Ok(Equations {
-        drift: ids(&Flow::new(model, &kinematics).rate_of(&kinematics.rates)),
         g,
         mass_diagonal,
         mass: ids(&chosen.form.m),
@@ -187,7 +184,7 @@ fn choose<'g>(
     if let (Algorithm::Combine, Some(reason)) = (options.algorithm, &obstacle) {
         return Err(DeriveError::CombineDoesNotApply { reason: reason.clone() });
     }
-    let direct = derive_direct(model, kinematics, structures);
+    let direct = derive_direct(kinematics, structures);
     if let Some(reason) = obstacle {
         let why = format!("`combine` does not apply: {reason}");
         return Ok(Chosen { form: direct, algorithm: "direct", why, difference: None });
@@ -231,32 +228,37 @@ fn check_mass(model: &Model, kinematics: &Kinematics, form: &MassForm<'_>, input
     Ok(())
 }
 
-/// Diagonal of the mass matrix of the coordinates without constraints, `Σ J (∂d′/∂q′_j)²`, as numbers.
+/// Diagonal of the mass matrix of the velocities without constraints, `Σ J (∂d′/∂v_j)²`, as numbers.
 fn mass_diagonal(model: &Model, inputs: &[f64]) -> Vec<f64> {
+    let velocities = velocity_inputs(model);
     if model.kinematics.iter().all(|r| matches!(r.form, headland_model::RowForm::Rate(..))) {
-        return vec![0.0; model.coordinates.len()]; // nothing to choose
+        return vec![0.0; velocities.len()]; // nothing to choose
     }
     let inertial: Vec<_> =
         model.elements.iter().filter(|e| e.kind == ElementKind::Inertia && e.form != StructureForm::Explicit).collect();
-    let structures: Vec<NodeId> = inertial.iter().map(|e| e.structure).collect();
-    let values = model.graph.eval(&inertial.iter().map(|e| e.value).collect::<Vec<_>>(), inputs);
+    let geometric: Vec<bool> = inertial.iter().map(|e| e.form == StructureForm::Geometric).collect();
+    let scalars = inertial.iter().map(|e| (e.value, e.structure));
+    let of_body = |b: &Body| {
+        let linear = b.velocity.rate.map(|rate| (b.mass, rate));
+        let angular = [0, 1, 2].map(|i| (b.tensor[i], b.spin.rate[i]));
+        linear.into_iter().chain(angular)
+    };
+    let (values, structures): (Vec<NodeId>, Vec<NodeId>) = scalars.chain(model.bodies.iter().flat_map(of_body)).unzip();
+    let values = model.graph.eval(&values, inputs);
     let mut x: Vec<Dual<f64>> = inputs.iter().map(|v| Dual::new(*v, 0.0)).collect();
-    model
-        .coordinates
-        .iter()
-        .map(|c| {
-            let slots = [model.input_index(c.q), model.input_index(c.rate)];
-            let mut sum = 0.0;
-            for (form, slot) in [(StructureForm::Geometric, slots[0]), (StructureForm::Implicit, slots[1])] {
-                x[slot].dot = 1.0;
-                let rates = model.graph.eval(&structures, &x);
-                x[slot].dot = 0.0;
-                let terms = inertial.iter().zip(&values).zip(rates).filter(|((e, _), _)| e.form == form);
-                sum += terms.map(|((_, j), w)| j * w.dot * w.dot).filter(|x| x.is_finite()).sum::<f64>();
-            }
-            sum
-        })
-        .collect()
+    let mut along = |slot: usize, wanted: bool| {
+        x[slot].dot = 1.0;
+        let rates = model.graph.eval(&structures, &x);
+        x[slot].dot = 0.0;
+        let terms = rates.iter().zip(&values).enumerate();
+        let terms = terms.filter(|(e, _)| geometric.get(*e).is_some_and(|g| *g) == wanted);
+        terms.map(|(_, (w, j))| j * w.dot * w.dot).filter(|x| x.is_finite()).sum::<f64>()
+    };
+    let mut diagonal: Vec<f64> = velocities.iter().map(|(input, _)| along(model.input_index(*input), false)).collect();
+    for (sum, c) in diagonal.iter_mut().zip(&model.coordinates) {
+        *sum += along(model.input_index(c.q), true);
+    }
+    diagonal
 }
 
 impl Equations {
@@ -264,16 +266,16 @@ impl Equations {
     pub fn by_state(&self, model: &Model, nodes: &[NodeId]) -> Vec<NodeId> {
         let graph = &model.graph;
         let mut replaced: Vec<Option<Expr<'_>>> = vec![None; graph.input_count()];
-        for (i, c) in model.coordinates.iter().enumerate() {
-            if self.kinematics.rates[i] == c.rate {
-                continue; // an independent rate is a quasi-velocity itself
+        for (v, (input, rate)) in velocity_inputs(model).into_iter().enumerate() {
+            if self.kinematics.velocities[v] == input {
+                continue; // independent: a quasi-velocity itself
             }
-            replaced[model.input_index(c.rate)] = Some(graph.expr(self.kinematics.rates[i]));
-            let mut second = graph.expr(self.drift[i]);
+            replaced[model.input_index(input)] = Some(graph.expr(self.kinematics.velocities[v]));
+            let mut second = graph.expr(self.kinematics.drift[v]);
             for (k, u) in self.kinematics.quasi.iter().enumerate() {
-                second = second + graph.expr(self.g[i][k]) * graph.expr(u.acceleration);
+                second = second + graph.expr(self.g[v][k]) * graph.expr(u.acceleration);
             }
-            replaced[model.input_index(c.acceleration)] = Some(second);
+            replaced[model.input_index(rate)] = Some(second);
         }
         graph.substitute(nodes, |i| replaced[i]).into_iter().map(|e| graph.id(e)).collect()
     }

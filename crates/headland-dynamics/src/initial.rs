@@ -7,18 +7,18 @@ use crate::error::DeriveError;
 use crate::kinematics::Kinematics;
 use crate::sample::start_inputs;
 
-/// `G` and `g` as numbers at the given inputs: column k of G is the rates at `u = e_k` less those at `u = 0`.
+/// `G` and `g` as numbers at the given inputs: column k of G is the velocities at `u = e_k` less those at `u = 0`.
 pub fn kinematic_matrices(model: &Model, kinematics: &Kinematics, inputs: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
     let mut x = inputs.to_vec();
     let slots: Vec<usize> = kinematics.quasi.iter().map(|u| model.input_index(u.u)).collect();
     for &slot in &slots {
         x[slot] = 0.0;
     }
-    let drift = DVector::from_vec(model.graph.eval(&kinematics.rates, &x));
+    let drift = DVector::from_vec(model.graph.eval(&kinematics.velocities, &x));
     let mut g = DMatrix::zeros(drift.len(), slots.len());
     for (k, &slot) in slots.iter().enumerate() {
         x[slot] = 1.0;
-        let column = DVector::from_vec(model.graph.eval(&kinematics.rates, &x)) - &drift;
+        let column = DVector::from_vec(model.graph.eval(&kinematics.velocities, &x)) - &drift;
         g.set_column(k, &column);
         x[slot] = 0.0;
     }
@@ -33,7 +33,7 @@ pub fn initial_velocities(model: &Model, kinematics: &Kinematics) -> Result<Vec<
     let inputs = start_inputs(model);
     let (g, drift) = kinematic_matrices(model, kinematics, &inputs);
     let mut u: Vec<f64> = kinematics.quasi.iter().map(|u| inputs[model.input_index(u.u)]).collect();
-    let free: Vec<usize> = (0..u.len()).filter(|&k| kinematics.quasi[k].rate_of.is_some()).collect();
+    let free: Vec<usize> = (0..u.len()).filter(|&k| kinematics.quasi[k].chosen).collect();
     for &k in &free {
         u[k] = 0.0;
     }

@@ -25,6 +25,7 @@ pub mod combine;
 pub mod compare;
 pub mod derive;
 pub mod direct;
+mod eliminate;
 pub mod energy;
 pub mod error;
 pub mod initial;

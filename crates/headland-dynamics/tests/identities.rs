@@ -213,7 +213,7 @@ fn the_partition_does_not_matter() {
                 Err(DeriveError::SingularConstraint { .. }) => continue, // these rates are not independent at the start
                 Err(error) => panic!("{}, {choice:?}: {error}", model.title),
             };
-            assert_eq!(other.kinematics.quasi.iter().filter_map(|u| u.rate_of).collect::<Vec<_>>(), choice);
+            assert_eq!(other.kinematics.quasi.iter().map(|u| u.velocity).collect::<Vec<_>>(), choice);
             partitions += 1;
             for x in &states {
                 let growth = model.graph.eval(&other.g.concat(), x).iter().fold(0.0_f64, |a, g| a.max(g.abs()));

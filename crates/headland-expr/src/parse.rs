@@ -37,7 +37,7 @@ pub enum Item {
     Number(f64, Option<String>),
     /// Pushes what a name stands for: `theta[k]'` has an index and one prime.
     Name {
-        /// The name without index and primes.
+        /// The name without index and primes; `body[2].x` has the name `body.x`.
         name: String,
         /// Its index, an integer expression.
         index: Option<Program>,
@@ -105,6 +105,8 @@ pub struct ParseError {
 enum Token {
     Number(f64),
     Name(String),
+    /// `.x` behind a name or its index
+    Member(String),
     Symbol(&'static str),
     End,
 }
@@ -165,7 +167,12 @@ impl Parser<'_> {
             return Ok(());
         };
         let length;
-        if first.is_ascii_digit() || first == '.' {
+        let letter = |c: char| c.is_alphabetic() || c == '_';
+        let word = |text: &str| text.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(text.len());
+        if first == '.' && trimmed[1..].starts_with(letter) {
+            length = 1 + word(&trimmed[1..]);
+            self.token = Token::Member(trimmed[1..length].to_string());
+        } else if first.is_ascii_digit() || first == '.' {
             length = number_length(trimmed);
             let digits = &trimmed[..length];
             match digits.parse::<f64>() {
@@ -173,8 +180,8 @@ impl Parser<'_> {
                 Ok(_) => return self.error(format!("`{digits}` is too large for a number"), start..start + length),
                 Err(_) => return self.error(format!("`{digits}` is not a number"), start..start + length.max(1)),
             }
-        } else if first.is_alphabetic() || first == '_' {
-            length = trimmed.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(trimmed.len());
+        } else if letter(first) {
+            length = word(trimmed);
             self.token = Token::Name(trimmed[..length].to_string());
         } else if let Some(symbol) = SYMBOLS.iter().find(|s| trimmed.starts_with(**s)) {
             length = symbol.len();
@@ -371,7 +378,7 @@ impl Parser<'_> {
         Ok(unit)
     }
 
-    fn name(&mut self, name: String, start: usize, out: &mut Program) -> Result<(), ParseError> {
+    fn name(&mut self, mut name: String, start: usize, out: &mut Program) -> Result<(), ParseError> {
         let index = if self.is("[") {
             self.advance()?;
             let mut index = Program::default();
@@ -381,6 +388,11 @@ impl Parser<'_> {
         } else {
             None
         };
+        while let Token::Member(member) = &self.token {
+            name.push('.');
+            name.push_str(member);
+            self.advance()?;
+        }
         let mut primes = 0;
         while self.is("'") {
             primes += 1;

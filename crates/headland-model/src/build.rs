@@ -6,8 +6,8 @@ use headland_expr::{Expr, Graph, NodeId};
 use crate::depend::Kinds;
 use crate::lower::{Lowering, Reported, Typed};
 use crate::model::{
-    Coordinate, Element, ElementKind, Event, Guard, KinematicRow, LinearSolver, Model, Parameter, Plot, Quantity,
-    QuasiVelocity, RunSettings,
+    Body, Coordinate, Element, ElementKind, Event, Guard, KinematicRow, LinearSolver, Load, Model, Parameter, Plot,
+    Quantity, QuasiVelocity, RunSettings,
 };
 use crate::place::{Diagnostic, ModelError, Place};
 use crate::scene::{Data, Scene, Value};
@@ -53,6 +53,8 @@ pub(crate) struct Parts {
     pub(crate) quasi_velocities: Vec<QuasiVelocity>,
     pub(crate) kinematics: Vec<KinematicRow>,
     pub(crate) elements: Vec<Element>,
+    pub(crate) bodies: Vec<Body>,
+    pub(crate) loads: Vec<Load>,
     pub(crate) definitions: Vec<Quantity>,
     pub(crate) outputs: Vec<Quantity>,
     pub(crate) guards: Vec<Guard>,
@@ -81,6 +83,8 @@ impl Parts {
             quasi_velocities: self.quasi_velocities,
             kinematics: self.kinematics,
             elements: self.elements,
+            bodies: self.bodies,
+            loads: self.loads,
             definitions: self.definitions,
             outputs: self.outputs,
             guards: self.guards,

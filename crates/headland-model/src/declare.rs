@@ -9,11 +9,11 @@ use std::sync::Arc;
 use crate::build::{Builder, Made};
 use crate::depend::Kinds;
 use crate::dimension::Dimension;
-use crate::lower::{Reported, per_time};
-use crate::model::{Coordinate, Parameter, QuasiVelocity};
+use crate::lower::Reported;
+use crate::model::Parameter;
 use crate::place::Place;
 use crate::scene::{Data, Entry, Value};
-use crate::symbols::{DefinitionKind, Rule, Symbol, member_name, parse_key};
+use crate::symbols::{DefinitionKind, Members, Rule, Symbol, member_name, parse_key};
 use crate::units::{parse_quantity, parse_unit};
 
 /// Rules by name and member; true for a fixed member, which goes before a family's rule.
@@ -300,52 +300,26 @@ impl<'g> Builder<'_, 'g> {
                 self.low.declared.insert(name, (dimension, angle)); // a given function of time: made there
                 continue;
             }
-            let base = self.low.coordinates.len();
+            let mut members = Members::default();
             for member in if count == 0 { 0..=0 } else { 1..=count } {
                 let name = member_name(&name, member);
-                let graph = self.low.graph;
-                let mut input = |suffix: &str, kind| self.low.dependence.input(graph, &format!("{name}{suffix}"), kind);
-                let (q, rate) = (input("", Kinds::COORDINATE), input("'", Kinds::RATE));
-                let acceleration = input("''", Kinds::ACCELERATION);
-                self.low.coordinates.push(Coordinate {
-                    unit: dimension.unit(angle),
-                    rate_unit: per_time(&dimension, 1).unit(angle),
-                    q,
-                    rate,
-                    acceleration,
-                    initial: None,
-                    initial_rate: None,
-                    scale: 1.0,
-                    place: entry.key_place.clone(),
-                    name,
-                });
-                self.low.coordinate_types.push((dimension.clone(), angle));
+                let position = self.low.add_coordinate(name, &dimension, angle, &entry.key_place);
+                members.insert(member, position);
             }
-            self.low.symbols.by_name.insert(name.as_str().into(), Symbol::Coordinate(base, count));
+            self.low.symbols.by_name.insert(name.as_str().into(), Symbol::Coordinate(members));
         }
     }
 
     pub(crate) fn quasi_velocities(&mut self) {
         for entry in self.scene.section("quasi_velocities") {
             let Ok((name, count, dimension, angle)) = self.declared(entry, "a quasi-velocity") else { continue };
-            let base = self.low.quasi_velocities.len();
+            let mut members = Members::default();
             for member in if count == 0 { 0..=0 } else { 1..=count } {
                 let name = member_name(&name, member);
-                let graph = self.low.graph;
-                let u = self.low.dependence.input(graph, &name, Kinds::QUASI);
-                let acceleration = self.low.dependence.input(graph, &format!("{name}'"), Kinds::ACCELERATION);
-                self.low.quasi_velocities.push(QuasiVelocity {
-                    unit: dimension.unit(angle),
-                    u,
-                    acceleration,
-                    initial: None,
-                    scale: 1.0,
-                    place: entry.key_place.clone(),
-                    name,
-                });
-                self.low.quasi_types.push((dimension.clone(), angle));
+                let position = self.low.add_quasi_velocity(name, &dimension, angle, &entry.key_place);
+                members.insert(member, position);
             }
-            self.low.symbols.by_name.insert(name.as_str().into(), Symbol::QuasiVelocity(base, count));
+            self.low.symbols.by_name.insert(name.as_str().into(), Symbol::QuasiVelocity(members));
         }
     }
 

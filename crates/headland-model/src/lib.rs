@@ -56,8 +56,8 @@ pub mod symbols;
 pub mod units;
 
 pub use model::{
-    Coordinate, Direction, Element, ElementKind, Event, Guard, KinematicRow, LinearSolver, Model, Parameter, Plot,
-    Quantity, QuasiVelocity, RowForm, RunSettings, StructureForm,
+    Body, Coordinate, Direction, Element, ElementKind, Event, Guard, KinematicRow, LinearSolver, Load, Model,
+    Parameter, Plot, Quantity, QuasiVelocity, RowForm, RunSettings, StructureForm, VectorNodes, VectorStructure,
 };
 pub use place::{Diagnostic, ModelError, Place, Source};
 pub use scene::{Data, Entry, Scene, Value};

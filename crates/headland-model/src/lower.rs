@@ -113,6 +113,47 @@ impl<'g> Lowering<'g> {
         }
     }
 
+    /// A new coordinate with its rates; gives its position.
+    pub fn add_coordinate(&mut self, name: String, dimension: &Dimension, angle: bool, place: &Place) -> usize {
+        let graph = self.graph;
+        let mut input = |suffix: &str, kind| self.dependence.input(graph, &format!("{name}{suffix}"), kind);
+        let (q, rate) = (input("", Kinds::COORDINATE), input("'", Kinds::RATE));
+        let acceleration = input("''", Kinds::ACCELERATION);
+        self.coordinates.push(Coordinate {
+            unit: dimension.unit(angle),
+            rate_unit: per_time(dimension, 1).unit(angle),
+            q,
+            rate,
+            acceleration,
+            initial: None,
+            initial_rate: None,
+            guess: None,
+            scale: 1.0,
+            place: place.clone(),
+            name,
+        });
+        self.coordinate_types.push((dimension.clone(), angle));
+        self.coordinates.len() - 1
+    }
+
+    /// A new quasi-velocity; gives its position.
+    pub fn add_quasi_velocity(&mut self, name: String, dimension: &Dimension, angle: bool, place: &Place) -> usize {
+        let u = self.dependence.input(self.graph, &name, Kinds::QUASI);
+        let acceleration = self.dependence.input(self.graph, &format!("{name}'"), Kinds::ACCELERATION);
+        self.quasi_velocities.push(QuasiVelocity {
+            unit: dimension.unit(angle),
+            u,
+            acceleration,
+            initial: None,
+            of_joint: false,
+            scale: 1.0,
+            place: place.clone(),
+            name,
+        });
+        self.quasi_types.push((dimension.clone(), angle));
+        self.quasi_velocities.len() - 1
+    }
+
     /// Reports an error.
     pub fn report(&mut self, place: Place, message: impl Into<String>) -> Reported {
         self.diagnostics.push(Diagnostic { place, message: message.into() });
@@ -215,7 +256,7 @@ impl<'g> Lowering<'g> {
         let count = match kind {
             Symbol::Parameter(values, true) => values.len() as i64,
             Symbol::Parameter(_, false) => 0,
-            Symbol::Coordinate(_, n) | Symbol::QuasiVelocity(_, n) => *n,
+            Symbol::Coordinate(m) | Symbol::QuasiVelocity(m) | Symbol::Frame(m) | Symbol::Joint(m) => m.last(),
             Symbol::Definition(rules, _) if rules.contains_key(&0) => 0,
             Symbol::Definition(rules, _) => rules.len() as i64,
             _ => 0,
@@ -230,6 +271,7 @@ impl<'g> Lowering<'g> {
         }
         let missing = match kind {
             Symbol::Definition(rules, _) => !rules.contains_key(&member),
+            Symbol::Coordinate(m) | Symbol::QuasiVelocity(m) => m.get(member).is_none(),
             _ => index.is_some() && !(1..=count).contains(&member),
         };
         if missing {
@@ -262,8 +304,8 @@ impl<'g> Lowering<'g> {
                 );
                 Err(self.report(place, message))
             }
-            Symbol::Coordinate(base, _) => {
-                let i = base + (member.max(1) - 1) as usize;
+            Symbol::Coordinate(members) => {
+                let i = members.get(member).unwrap_or_default();
                 let c = &self.coordinates[i];
                 let id = [c.q, c.rate, c.acceleration][primes as usize];
                 let (dimension, angle) = &self.coordinate_types[i];
@@ -274,8 +316,8 @@ impl<'g> Lowering<'g> {
                     condition: false,
                 })
             }
-            Symbol::QuasiVelocity(base, _) if primes < 2 => {
-                let i = base + (member.max(1) - 1) as usize;
+            Symbol::QuasiVelocity(members) if primes < 2 => {
+                let i = members.get(member).unwrap_or_default();
                 let u = &self.quasi_velocities[i];
                 let id = [u.u, u.acceleration][primes as usize];
                 let (dimension, angle) = &self.quasi_types[i];
@@ -311,7 +353,7 @@ impl<'g> Lowering<'g> {
     }
 
     /// Total derivative in time by the rates q′, q″, u′.
-    fn time_derivative(&mut self, e: Expr<'g>, primes: u8) -> Result<Expr<'g>, String> {
+    pub(crate) fn time_derivative(&mut self, e: Expr<'g>, primes: u8) -> Result<Expr<'g>, String> {
         let mut e = e;
         for order in 0..primes {
             let id = self.graph.id(e);

@@ -1,5 +1,6 @@
 //! Kinematics, constraints and elements of a scene, with their structures and dimensions checked.
 
+use headland_expr::Expr;
 use headland_expr::parse::{Program, suggestion};
 
 use crate::build::{Builder, Made, bound_name};
@@ -39,8 +40,8 @@ impl<'g> Builder<'_, 'g> {
             }
             Err(message) => return Err(self.low.report(place, message)),
         };
-        let base = match self.low.symbols.by_name.get(key.name.as_str()) {
-            Some(Symbol::Coordinate(base, _)) => *base,
+        let family = match self.low.symbols.by_name.get(key.name.as_str()) {
+            Some(Symbol::Coordinate(members)) => members.clone(),
             other => {
                 let found = other.map_or("undefined", Symbol::kind);
                 let coordinates = self.low.symbols.by_name.iter().filter(|(_, s)| matches!(s, Symbol::Coordinate(..)));
@@ -54,27 +55,18 @@ impl<'g> Builder<'_, 'g> {
         let members = self.low.symbols.members(key.index.as_ref()).map_err(|m| self.low.report(place.clone(), m))?;
         let formula = self.formula_of(&entry.value)?;
         for (member, binding) in members {
-            let i = base + (member.max(1) - 1) as usize;
-            let fits = match self.low.symbols.by_name.get(key.name.as_str()) {
-                Some(Symbol::Coordinate(_, n)) => (member == 0) == (*n == 0) && member <= *n,
-                _ => false,
-            };
-            if !fits {
+            let Some(i) = family.get(member) else {
                 let message =
                     format!("`{}` is not a member of the coordinate `{}`", member_name(&key.name, member), key.name);
                 return Err(self.low.report(place, message));
-            }
+            };
             let typed = self.low.lower(&formula, &binding)?;
             let (dimension, angle) = self.low.coordinate_types[i].clone();
             let name = format!("{}'", self.low.coordinates[i].name);
             self.low.demand(&typed, &per_time(&dimension, 1), angle, &formula, &format!("the rate `{name}`"))?;
             self.no_accelerations(&typed, &formula.place, &format!("the rate `{name}`"))?;
             let node = self.low.graph.id(typed.expr);
-            self.parts.kinematics.push(KinematicRow {
-                name,
-                place: formula.place.clone(),
-                form: RowForm::Rate(i, node),
-            });
+            self.parts.kinematics.push(KinematicRow::new(name, &formula.place, RowForm::Rate(i, node)));
         }
         Ok(())
     }
@@ -139,17 +131,26 @@ impl<'g> Builder<'_, 'g> {
             self.low.demand(&b, &a.dimension, a.angle, &right, "the left side")?;
             let zero = Typed { expr: a.expr - b.expr, ..a };
             let name = bound_name(&name, &binding);
-            if self.depends(zero.expr, Kinds::RATE).is_none() {
-                let message = format!(
-                    "the constraint `{name}` contains no rate such as `x'`; it binds velocities, not positions"
-                );
-                return Err(self.low.report(place.clone(), message));
-            }
             self.no_accelerations(&zero, place, &format!("the constraint `{name}`"))?;
-            let node = self.low.graph.id(zero.expr);
-            self.parts.kinematics.push(KinematicRow { name, place: place.clone(), form: RowForm::Zero(node) });
+            let row = self.constraint_row(&name, zero.expr, place)?;
+            self.parts.kinematics.push(row);
         }
         Ok(())
+    }
+
+    /// A constraint on velocities as it is; one on positions by its rate.
+    fn constraint_row(&mut self, name: &str, zero: Expr<'g>, place: &Place) -> Made<KinematicRow> {
+        let graph = self.low.graph;
+        if self.depends(zero, Kinds::RATE.or(Kinds::QUASI)).is_some() {
+            return Ok(KinematicRow::new(name, place, RowForm::Zero(graph.id(zero))));
+        }
+        if self.depends(zero, Kinds::COORDINATE).is_none() {
+            let message = format!("the constraint `{name}` contains neither a coordinate nor a rate: it binds nothing");
+            return Err(self.low.report(place.clone(), message));
+        }
+        let rate = self.low.time_derivative(zero, 1).map_err(|m| self.low.report(place.clone(), m))?;
+        let row = KinematicRow::new(name, place, RowForm::Zero(graph.id(rate)));
+        Ok(KinematicRow { position: Some(graph.id(zero)), ..row })
     }
 
     pub(crate) fn text_field(&mut self, element: &SceneElement, key: &str) -> Made<String> {
@@ -216,6 +217,7 @@ impl<'g> Builder<'_, 'g> {
                 value: graph.id(v.expr),
                 form,
                 structure: graph.id(s.expr),
+                rate: None,
                 place: element.place.clone(),
             });
         }

@@ -36,6 +36,8 @@ pub struct Coordinate {
     pub initial: Option<NodeId>,
     /// Initial rate, where one is given.
     pub initial_rate: Option<NodeId>,
+    /// Of a joint: where the search for a start begins if none is given.
+    pub guess: Option<f64>,
     /// Typical size, for the absolute tolerance.
     pub scale: f64,
     /// Where it was declared.
@@ -55,6 +57,8 @@ pub struct QuasiVelocity {
     pub acceleration: NodeId,
     /// Initial value, an expression of parameters.
     pub initial: Option<NodeId>,
+    /// True for a joint's own: constraints may make it dependent.
+    pub of_joint: bool,
     /// Typical size, for the absolute tolerance.
     pub scale: f64,
     /// Where it was declared.
@@ -70,6 +74,20 @@ pub struct KinematicRow {
     pub place: Place,
     /// What it says.
     pub form: RowForm,
+    /// Of a holonomic constraint: what must be zero, a function of q and t. The row is its rate.
+    pub position: Option<NodeId>,
+    /// The row's rate by q″ and u′, where it is known in a shorter form than the derivative.
+    pub rate: Option<NodeId>,
+    /// True where it may follow from other rows without harm: rows of joints and of rolling.
+    pub may_be_redundant: bool,
+}
+
+impl KinematicRow {
+    /// A row of form (2), or a velocity constraint.
+    pub fn new(name: impl Into<String>, place: &Place, form: RowForm) -> Self {
+        let (name, place) = (name.into(), place.clone());
+        Self { name, place, form, position: None, rate: None, may_be_redundant: false }
+    }
 }
 
 /// How an equation of the kinematics is given.
@@ -118,10 +136,57 @@ pub struct Element {
     pub form: StructureForm,
     /// The structure: d or d′.
     pub structure: NodeId,
+    /// Its rate d′ by q, q′, u, t, where it is known in a shorter form than the derivative.
+    pub rate: Option<NodeId>,
     /// Where it was written.
     pub place: Place,
     /// SI unit of the value.
     pub unit: String,
+}
+
+/// Three components along orthogonal axes.
+pub type VectorNodes = [NodeId; 3];
+
+/// A velocity or angular velocity as the structure of a vector element, by q, q′, u, t.
+#[derive(Clone, Copy, Debug)]
+pub struct VectorStructure {
+    /// Its components along the element's axes.
+    pub rate: VectorNodes,
+    /// Components of the acceleration along the same axes by q″ and u′, with what comes from their turning; `None` where
+    /// the axes do not turn and the rate's derivative serves.
+    pub acceleration: Option<VectorNodes>,
+}
+
+/// A rigid body as inertia element of equation (7).
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// Name with index.
+    pub name: String,
+    /// Mass.
+    pub mass: NodeId,
+    /// Velocity of the mass centre.
+    pub velocity: VectorStructure,
+    /// Tensor about the mass centre in body axes: xx, yy, zz, xy, xz, yz as they stand in the matrix.
+    pub tensor: [NodeId; 6],
+    /// Angular velocity in body axes.
+    pub spin: VectorStructure,
+    /// Where it was written.
+    pub place: Place,
+}
+
+/// A force at a point, or a torque, as force element of equation (7).
+#[derive(Clone, Debug)]
+pub struct Load {
+    /// Name with index.
+    pub name: String,
+    /// Force or torque.
+    pub force: VectorNodes,
+    /// Velocity of the point, or angular velocity, along the same axes, by q, q′, u, t.
+    pub rate: VectorNodes,
+    /// Its potential energy where it has one.
+    pub potential: Option<NodeId>,
+    /// Where it was written.
+    pub place: Place,
 }
 
 /// An expression with a name and a unit.
@@ -247,6 +312,10 @@ pub struct Model {
     pub kinematics: Vec<KinematicRow>,
     /// Inertia, elastic, dissipative and force elements.
     pub elements: Vec<Element>,
+    /// Rigid bodies as inertia elements.
+    pub bodies: Vec<Body>,
+    /// Forces at points and torques as force elements.
+    pub loads: Vec<Load>,
     /// Definitions that something uses, in order of use.
     pub definitions: Vec<Quantity>,
     /// Columns.
@@ -278,8 +347,13 @@ impl Model {
         inputs
     }
 
-    /// A one-line summary of the mechanical model.
+    /// Number of elements of a kind.
     pub fn count(&self, kind: ElementKind) -> usize {
-        self.elements.iter().filter(|e| e.kind == kind).count()
+        let vectors = match kind {
+            ElementKind::Inertia => self.bodies.len(),
+            ElementKind::Force => self.loads.len(),
+            _ => 0,
+        };
+        vectors + self.elements.iter().filter(|e| e.kind == kind).count()
     }
 }

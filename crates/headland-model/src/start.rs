@@ -41,10 +41,9 @@ impl<'g> Builder<'_, 'g> {
 
     pub(crate) fn initial_value(&mut self, entry: &Entry) -> Made<()> {
         let place = entry.key_place.clone();
-        let (base, kind, primes, members) = self.state_key(entry)?;
+        let (kind, primes, members) = self.state_key(entry)?;
         let formula = self.formula_of(&entry.value)?;
-        for (member, binding) in members {
-            let i = base + (member.max(1) - 1) as usize;
+        for (i, binding) in members {
             let typed = self.low.lower(&formula, &binding)?;
             let (dimension, angle) =
                 if kind { self.low.coordinate_types[i].clone() } else { self.low.quasi_types[i].clone() };
@@ -82,24 +81,23 @@ impl<'g> Builder<'_, 'g> {
         Err(self.low.report(formula.place.clone(), message))
     }
 
-    /// The states that a key of `[initial]` or `[scale]` names: first index, coordinate or quasi-velocity, primes, members.
-    #[allow(clippy::type_complexity)]
-    pub(crate) fn state_key(&mut self, entry: &Entry) -> Made<(usize, bool, u8, Vec<(i64, Binding)>)> {
+    /// The states that a key of `[initial]` or `[scale]` names: coordinate or quasi-velocity, primes, positions of the members.
+    pub(crate) fn state_key(&mut self, entry: &Entry) -> Made<(bool, u8, Vec<(usize, Binding)>)> {
         let place = entry.key_place.clone();
         let mut key = parse_key(&entry.key).map_err(|m| self.low.report(place.clone(), m))?;
         if let Some(index) = &mut key.index {
             let _ = self.low.symbols.fold_lengths(index);
         }
         let found = match self.low.symbols.by_name.get(key.name.as_str()) {
-            Some(Symbol::Coordinate(base, n)) if key.primes <= 1 => Some((*base, true, *n)),
-            Some(Symbol::QuasiVelocity(base, n)) if key.primes == 0 => Some((*base, false, *n)),
+            Some(Symbol::Coordinate(members)) if key.primes <= 1 => Some((true, members.clone())),
+            Some(Symbol::QuasiVelocity(members)) if key.primes == 0 => Some((false, members.clone())),
             _ => None,
         };
         if self.low.declared.contains_key(&key.name) || self.parts.prescribed.iter().any(|p| p.name == key.name) {
             let message = format!("`{}` is prescribed: its values follow from its function of time", entry.key);
             return Err(self.low.report(place, message));
         }
-        let Some((base, kind, count)) = found else {
+        let Some((kind, family)) = found else {
             let states = self
                 .low
                 .symbols
@@ -111,11 +109,16 @@ impl<'g> Builder<'_, 'g> {
             return Err(self.low.report(place, message));
         };
         let members = self.low.symbols.members(key.index.as_ref()).map_err(|m| self.low.report(place.clone(), m))?;
-        if members.iter().any(|(m, _)| (*m == 0) != (count == 0) || *m > count || *m < 0) {
-            let message = format!("`{}` does not exist: `{}` has {} member(s)", entry.key, key.name, count.max(1));
-            return Err(self.low.report(place, message));
+        let found: Option<Vec<(usize, Binding)>> =
+            members.into_iter().map(|(m, binding)| family.get(m).map(|i| (i, binding))).collect();
+        match found {
+            Some(found) => Ok((kind, key.primes, found)),
+            None => {
+                let count = family.iter().count();
+                let message = format!("`{}` does not exist: `{}` has {count} member(s)", entry.key, key.name);
+                Err(self.low.report(place, message))
+            }
         }
-        Ok((base, kind, key.primes, members))
     }
 
     pub(crate) fn scales(&mut self) {
@@ -125,10 +128,9 @@ impl<'g> Builder<'_, 'g> {
     }
 
     pub(crate) fn scale(&mut self, entry: &Entry) -> Made<()> {
-        let (base, kind, _, members) = self.state_key(entry)?;
+        let (kind, _, members) = self.state_key(entry)?;
         let formula = self.formula_of(&entry.value)?;
-        for (member, binding) in members {
-            let i = base + (member.max(1) - 1) as usize;
+        for (i, binding) in members {
             let (dimension, angle) =
                 if kind { self.low.coordinate_types[i].clone() } else { self.low.quasi_types[i].clone() };
             let x = self.number(&formula, &binding, &dimension, angle, &format!("the scale of `{}`", entry.key))?;

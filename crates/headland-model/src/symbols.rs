@@ -1,5 +1,6 @@
 //! The names of a scene: what each stands for, and the members of families.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use headland_expr::parse::{Item, Program, parse};
@@ -42,14 +43,60 @@ pub enum Symbol {
     Index(i64),
     /// A parameter with a number: its input, dimension and whether it is an angle.
     Parameter(Vec<(NodeId, Dimension, bool)>, bool),
-    /// A coordinate: where its members begin among the model's coordinates, and how many there are (0: single).
-    Coordinate(usize, i64),
+    /// A coordinate: where its members stand among the model's coordinates.
+    Coordinate(Members),
     /// A quasi-velocity, in the same way.
-    QuasiVelocity(usize, i64),
+    QuasiVelocity(Members),
+    /// A body or frame: where its members stand among the frames.
+    Frame(Members),
+    /// A joint: its coordinates have names of their own.
+    Joint(Members),
     /// A definition, a prescribed coordinate or a parameter given by an expression.
     Definition(FxHashMap<i64, Rule>, DefinitionKind),
     /// A function by points, with the dimensions of abscissa and ordinate.
     Table(Arc<Spline>, Dimension, Dimension),
+}
+
+/// Where the members of a family stand in a list; the key 0 is a single thing without members.
+#[derive(Clone, Default, Debug)]
+pub struct Members(BTreeMap<i64, usize>);
+
+impl Members {
+    /// A single thing.
+    pub fn single(position: usize) -> Self {
+        Self(BTreeMap::from([(0, position)]))
+    }
+
+    /// A family.
+    pub fn family(members: impl IntoIterator<Item = (i64, usize)>) -> Self {
+        Self(members.into_iter().collect())
+    }
+
+    /// One more member; false if it is there already or if single and family are mixed.
+    pub fn insert(&mut self, member: i64, position: usize) -> bool {
+        let fits = self.0.keys().all(|m| (*m == 0) == (member == 0));
+        fits && self.0.insert(member, position).is_none()
+    }
+
+    /// Position of a member.
+    pub fn get(&self, member: i64) -> Option<usize> {
+        self.0.get(&member).copied()
+    }
+
+    /// Whether an index is needed.
+    pub fn is_family(&self) -> bool {
+        !self.0.contains_key(&0)
+    }
+
+    /// The largest member; 0 for a single thing and for an empty family.
+    pub fn last(&self) -> i64 {
+        self.0.keys().next_back().copied().unwrap_or(0)
+    }
+
+    /// Members and positions, ascending.
+    pub fn iter(&self) -> impl Iterator<Item = (i64, usize)> + '_ {
+        self.0.iter().map(|(m, p)| (*m, *p))
+    }
 }
 
 /// Which section a definition stands in.
@@ -72,6 +119,8 @@ impl Symbol {
             Symbol::Parameter(..) | Symbol::Definition(_, DefinitionKind::Parameter) => "a parameter",
             Symbol::Coordinate(..) => "a coordinate",
             Symbol::QuasiVelocity(..) => "a quasi-velocity",
+            Symbol::Frame(..) => "a body or frame",
+            Symbol::Joint(..) => "a joint",
             Symbol::Definition(_, DefinitionKind::Prescribed) => "a prescribed coordinate",
             Symbol::Definition(..) => "a definition",
             Symbol::Table(..) => "a table",
@@ -243,7 +292,11 @@ impl Symbols {
     }
 }
 
-/// Name of a member: `theta[2]`, or `theta` for the key 0.
+/// Name of a member: `theta[2]`, `body[2].x`, or the name itself for the key 0.
 pub fn member_name(name: &str, member: i64) -> String {
-    if member == 0 { name.to_string() } else { format!("{name}[{member}]") }
+    match (member, name.split_once('.')) {
+        (0, _) => name.to_string(),
+        (_, None) => format!("{name}[{member}]"),
+        (_, Some((owner, part))) => format!("{owner}[{member}].{part}"),
+    }
 }

@@ -137,7 +137,7 @@ impl System {
         let mut nodes = Vec::new();
         for &i in &equations.kinematics.dependent {
             for (k, u) in equations.kinematics.quasi.iter().enumerate() {
-                let Some(j) = u.rate_of else { continue };
+                let j = u.velocity;
                 let entry = graph.expr(copy.nodes(&[equations.g[i][k]])[0]);
                 if entry.value().is_none() && scale(i) > 0.0 && scale(j) > 0.0 {
                     nodes.push(graph.id(entry * Expr::Const(scale(i) / scale(j))));

@@ -4,6 +4,7 @@ use std::rc::Rc;
 
 use headland_code::{Evaluator, Function, TapeEvaluator};
 use headland_dynamics::initial::kinematic_matrices;
+use headland_dynamics::kinematics::velocity_inputs;
 use headland_dynamics::sample::{first_not_finite, start_inputs};
 use headland_dynamics::{DeriveError, Equations, initial_velocities};
 use headland_model::Model;
@@ -64,9 +65,9 @@ impl Work {
             inputs[model.input_index(u.u)] = *value;
         }
         let (g, drift) = kinematic_matrices(model, kinematics, &inputs);
-        for (i, c) in model.coordinates.iter().enumerate() {
-            let rate = drift[i] + (0..self.system.nu).map(|k| g[(i, k)] * y[self.system.nq + k]).sum::<f64>();
-            inputs[model.input_index(c.rate)] = rate;
+        for (v, (input, _)) in velocity_inputs(model).into_iter().enumerate() {
+            let rate = drift[v] + (0..self.system.nu).map(|k| g[(v, k)] * y[self.system.nq + k]).sum::<f64>();
+            inputs[model.input_index(input)] = rate;
         }
         inputs
     }

@@ -211,7 +211,7 @@ pub fn put_rates(model: &Model, equations: &Equations, x: &mut [f64]) {
     for (u, a) in equations.kinematics.quasi.iter().zip(&a) {
         x[model.input_index(u.acceleration)] = *a;
     }
-    let drift = model.graph.eval(&equations.drift, x);
+    let drift = model.graph.eval(&equations.kinematics.drift, x);
     for (i, c) in model.coordinates.iter().enumerate() {
         let g = model.graph.eval(&equations.g[i], x);
         x[model.input_index(c.acceleration)] = drift[i] + g.iter().zip(&a).map(|(g, a)| g * a).sum::<f64>();
