@@ -8,8 +8,9 @@ use crate::compare::compare_derivations;
 use crate::direct::{MassForm, derive_direct};
 use crate::energy::{Energies, form_energies};
 use crate::error::DeriveError;
+use crate::initial::assemble;
 use crate::kinematics::{Kinematics, solve_kinematics, velocity_inputs};
-use crate::sample::{first_not_finite, start_inputs};
+use crate::sample::first_not_finite;
 use crate::scalar_inertia::check_scalar_inertia;
 use crate::solve::{packed, solve_crout, solve_ldl, unpack};
 use crate::structures::form_structures;
@@ -50,8 +51,6 @@ pub struct Equations {
     pub kinematics: Kinematics,
     /// `G`, one row a velocity: rates of the coordinates, then named quasi-velocities.
     pub g: Vec<Vec<NodeId>>,
-    /// Diagonal of the mass matrix of the velocities without constraints at the state of derivation; zero where nothing was chosen by it.
-    pub mass_diagonal: Vec<f64>,
     /// Lower triangle of M, row by row.
     pub mass: Vec<NodeId>,
     /// F
@@ -79,7 +78,7 @@ pub struct Equations {
 /// # Errors
 /// [`DeriveError`] says what the model lacks.
 pub fn derive(model: &Model, options: &DeriveOptions) -> Result<Equations, DeriveError> {
-    derive_at(model, &start_inputs(model), options)
+    derive_at(model, &assemble(model)?.0, options)
 }
 
 /// Derives the equations with the independent rates chosen at the given inputs of the graph.
@@ -119,7 +118,6 @@ pub fn derive_at(model: &Model, inputs: &[f64], options: &DeriveOptions) -> Resu
     }
     Ok(Equations {
         g,
-        mass_diagonal,
         mass: ids(&chosen.form.m),
         force: ids(&chosen.form.f),
         accelerations,

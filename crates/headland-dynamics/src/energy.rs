@@ -45,6 +45,9 @@ pub fn form_energies(model: &Model, kinematics: &Kinematics, s: &Structures<'_>)
             _ => powers.push((element.name.clone(), graph.id(s.force[e] * s.rate[e]))),
         }
     }
+    for body in &model.bodies {
+        potential = potential + graph.expr(body.potential);
+    }
     let first = s.rate.len() - 3 * model.loads.len();
     for (k, load) in model.loads.iter().enumerate() {
         if let Some(energy) = load.potential {

@@ -95,6 +95,12 @@ pub enum DeriveError {
         /// Rates that would help.
         candidates: String,
     },
+    /// Constraints on positions that no position near the start fulfils.
+    #[error("the start cannot be assembled; left of the constraints after moving every coordinate: {rows}")]
+    CannotAssemble {
+        /// The constraints that are furthest from fulfilled, with what is left.
+        rows: String,
+    },
     /// Initial rates that contradict the constraints.
     #[error(
         "the initial rates contradict the constraints: `{name}` was given as {given} but the others make it {found}"

@@ -1,10 +1,12 @@
-//! Initial values: coordinates as given, quasi-velocities from the initial rates and the constraints.
+//! Initial values: coordinates as given or as the constraints on positions want them, quasi-velocities from the initial
+//! rates and the constraints.
 
+use headland_expr::NodeId;
 use headland_model::Model;
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::DeriveError;
-use crate::kinematics::Kinematics;
+use crate::kinematics::{Kinematics, velocity_name};
 use crate::sample::start_inputs;
 
 /// `G` and `g` as numbers at the given inputs: column k of G is the velocities at `u = e_k` less those at `u = 0`.
@@ -25,46 +27,173 @@ pub fn kinematic_matrices(model: &Model, kinematics: &Kinematics, inputs: &[f64]
     (g, drift)
 }
 
-/// Initial quasi-velocities: the named ones as given, independent rates from all initial rates by least squares.
+/// A coordinate that was moved to fulfil the constraints at the start.
+#[derive(Clone, Debug)]
+pub struct Moved {
+    /// Its name.
+    pub name: String,
+    /// As given, or as guessed.
+    pub from: f64,
+    /// As it is now.
+    pub to: f64,
+}
+
+/// The inputs of the graph at the start with all constraints on positions fulfilled, and the given coordinates that had
+/// to be moved for that. Coordinates that were not given are found; others move only if that does not suffice.
+///
+/// # Errors
+/// [`DeriveError::CannotAssemble`] names the constraints that are furthest from fulfilled.
+pub fn assemble(model: &Model) -> Result<(Vec<f64>, Vec<Moved>), DeriveError> {
+    let start = start_inputs(model);
+    let positions = Positions::new(model);
+    if positions.rows.is_empty() || positions.residual(&start) <= SMALL {
+        return Ok((start, Vec::new()));
+    }
+    let free: Vec<usize> = (0..model.coordinates.len()).filter(|&i| model.coordinates[i].initial.is_none()).collect();
+    let all: Vec<usize> = (0..model.coordinates.len()).collect();
+    let mut found = None;
+    for columns in [free, all] {
+        let mut inputs = start.clone();
+        if !columns.is_empty() && positions.solve(&mut inputs, &columns) {
+            found = Some(inputs);
+            break;
+        }
+    }
+    let Some(inputs) = found else { return Err(positions.furthest(&start)) };
+    let moved = model.coordinates.iter().filter(|c| c.initial.is_some()).filter_map(|c| {
+        let slot = model.input_index(c.q);
+        let (from, to) = (start[slot], inputs[slot]);
+        ((to - from).abs() > 1e-12 * from.abs().max(1.0)).then(|| Moved { name: c.name.clone(), from, to })
+    });
+    let moved = moved.collect();
+    Ok((inputs, moved))
+}
+
+/// A residual of constraints on positions that counts as none.
+const SMALL: f64 = 1e-13;
+
+/// Constraints on positions, for Newton's method.
+pub struct Positions<'m> {
+    model: &'m Model,
+    /// `φ(q, t)`
+    pub rows: Vec<NodeId>,
+    names: Vec<&'m str>,
+    /// Entries `(row, coordinate, node)` of `∂φ/∂q`.
+    entries: Vec<(usize, usize, NodeId)>,
+}
+
+impl<'m> Positions<'m> {
+    /// Of a model.
+    pub fn new(model: &'m Model) -> Self {
+        let holonomic = model.kinematics.iter().filter_map(|r| Some((r.position?, r.name.as_str())));
+        let (rows, names): (Vec<NodeId>, Vec<&str>) = holonomic.unzip();
+        let wanted: Vec<NodeId> = model.coordinates.iter().map(|c| c.q).collect();
+        let entries = model.graph.jacobian(&rows, &wanted).into_iter().map(|(i, j, e)| (i, j, model.graph.id(e)));
+        let entries = entries.collect();
+        Self { model, rows, names, entries }
+    }
+
+    /// Largest residual.
+    pub fn residual(&self, inputs: &[f64]) -> f64 {
+        let values = self.model.graph.eval(&self.rows, inputs);
+        values.into_iter().fold(0.0, |worst, x| if x.is_nan() { x } else { worst.max(x.abs()) })
+    }
+
+    /// Newton's method with least changes of the given coordinates; false if it does not converge.
+    fn solve(&self, inputs: &mut Vec<f64>, columns: &[usize]) -> bool {
+        let slots: Vec<usize> = columns.iter().map(|&i| self.model.input_index(self.model.coordinates[i].q)).collect();
+        let mut residual = self.residual(inputs);
+        for _ in 0..60 {
+            let phi = DVector::from_vec(self.model.graph.eval(&self.rows, inputs));
+            let jacobian = self.jacobian(inputs, columns);
+            let largest = jacobian.amax();
+            let Ok(step) = jacobian.svd(true, true).solve(&phi, 1e-9 * largest.max(1e-300)) else { return false };
+            let mut factor = 1.0;
+            loop {
+                let mut trial = inputs.clone();
+                slots.iter().zip(step.iter()).for_each(|(&slot, d)| trial[slot] -= factor * d);
+                let next = self.residual(&trial);
+                if next < residual || (factor == 1.0 && next <= SMALL) {
+                    (*inputs, residual) = (trial, next);
+                    break;
+                }
+                factor *= 0.5;
+                if factor < 1e-6 {
+                    return residual <= 1e-10;
+                }
+            }
+            if residual <= 1e-16 {
+                return true;
+            }
+        }
+        residual <= 1e-10
+    }
+
+    fn jacobian(&self, inputs: &[f64], columns: &[usize]) -> DMatrix<f64> {
+        let values = self.model.graph.eval(&self.entries.iter().map(|(.., n)| *n).collect::<Vec<_>>(), inputs);
+        let mut jacobian = DMatrix::zeros(self.rows.len(), columns.len());
+        for (&(i, j, _), x) in self.entries.iter().zip(values) {
+            if let Some(c) = columns.iter().position(|k| *k == j) {
+                jacobian[(i, c)] = x;
+            }
+        }
+        jacobian
+    }
+
+    /// The constraints that cannot be fulfilled together.
+    fn furthest(&self, start: &[f64]) -> DeriveError {
+        let mut inputs = start.to_vec();
+        let all: Vec<usize> = (0..self.model.coordinates.len()).collect();
+        self.solve(&mut inputs, &all);
+        let mut left: Vec<(f64, &str)> = self
+            .model
+            .graph
+            .eval(&self.rows, &inputs)
+            .into_iter()
+            .zip(&self.names)
+            .map(|(x, n)| (x.abs(), *n))
+            .collect();
+        left.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let rows = left.iter().take(6).filter(|(x, _)| *x > 1e-10 || x.is_nan());
+        let rows: Vec<String> = rows.map(|(x, name)| format!("`{name}` by {x:.3}")).collect();
+        DeriveError::CannotAssemble { rows: rows.join(", ") }
+    }
+}
+
+/// Initial quasi-velocities: the named ones as given; independent rates and velocities of joints from all that is given
+/// by least squares. What the given ones leave open must be given too, or is as slow as possible where joints have it:
+/// the smallest `Σ m v²` over all velocities with the masses that they move.
 ///
 /// # Errors
 /// Rates that do not determine the motion, or that contradict the constraints or each other.
 pub fn initial_velocities(model: &Model, kinematics: &Kinematics) -> Result<Vec<f64>, DeriveError> {
-    let inputs = start_inputs(model);
-    let (g, drift) = kinematic_matrices(model, kinematics, &inputs);
+    let inputs = &assemble(model)?.0;
+    let (g, drift) = kinematic_matrices(model, kinematics, inputs);
     let mut u: Vec<f64> = kinematics.quasi.iter().map(|u| inputs[model.input_index(u.u)]).collect();
     let free: Vec<usize> = (0..u.len()).filter(|&k| kinematics.quasi[k].chosen).collect();
     for &k in &free {
         u[k] = 0.0;
     }
-    let given: Vec<(usize, f64)> = model
-        .coordinates
-        .iter()
-        .enumerate()
-        .filter_map(|(i, c)| c.initial_rate.map(|r| (i, model.graph.eval(&[r], &inputs)[0])))
-        .collect();
+    let given = given_velocities(model, inputs);
     let known = |i: usize, u: &[f64]| drift[i] + (0..u.len()).map(|k| g[(i, k)] * u[k]).sum::<f64>();
     if !free.is_empty() {
         let a = DMatrix::from_fn(given.len(), free.len(), |r, c| g[(given[r].0, free[c])]);
         let b = DVector::from_fn(given.len(), |r, _| given[r].1 - known(given[r].0, &u));
-        let solution = least_squares(a, b).map_err(|null| {
-            let missing = null.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).map_or(0, |(i, _)| i);
-            let names: Vec<&str> = given.iter().map(|(i, _)| model.coordinates[*i].name.as_str()).collect();
-            let candidates: Vec<String> = (0..model.coordinates.len())
-                .filter(|&i| free.iter().zip(null.iter()).map(|(&k, n)| g[(i, k)] * n).sum::<f64>().abs() > 1e-9)
-                .take(8)
-                .map(|i| format!("`{}'`", model.coordinates[i].name))
-                .collect();
-            DeriveError::TooFewInitialRates {
-                given: if names.is_empty() {
-                    "none".into()
-                } else {
-                    names.iter().map(|n| format!("`{n}'`")).collect::<Vec<_>>().join(", ")
-                },
-                missing: format!("`{}`", kinematics.quasi[free[missing]].name),
-                candidates: candidates.join(", "),
+        let (mut solution, null) = least_squares(a, b);
+        if null.ncols() > 0 {
+            if !model.coordinates.iter().any(|c| c.guess.is_some()) {
+                return Err(too_few(model, kinematics, &g, &given, &free, &null));
             }
-        })?;
+            // u + N z with the least weighted velocities
+            let weight = |v: usize| kinematics.mass[v].max(1e-12).sqrt();
+            let all = DMatrix::from_fn(g.nrows(), free.len(), |v, c| weight(v) * g[(v, free[c])]);
+            let rest = DVector::from_fn(g.nrows(), |v, _| weight(v) * known(v, &u)) + &all * &solution;
+            let reduced = &all * &null;
+            let largest = reduced.amax().max(1e-300);
+            if let Ok(z) = reduced.svd(true, true).solve(&(-rest), 1e-12 * largest) {
+                solution += null * z;
+            }
+        }
         for (&k, value) in free.iter().zip(solution.iter()) {
             u[k] = *value;
         }
@@ -73,15 +202,46 @@ pub fn initial_velocities(model: &Model, kinematics: &Kinematics) -> Result<Vec<
     for &(i, x) in &given {
         let found = known(i, &u);
         if (found - x).abs() > 1e-8 * size {
-            let name = format!("{}'", model.coordinates[i].name);
-            return Err(DeriveError::InconsistentStart { name, given: x, found });
+            return Err(DeriveError::InconsistentStart { name: velocity_name(model, i), given: x, found });
         }
     }
     Ok(u)
 }
 
-/// The least-squares solution, or a vector that the matrix does not see.
-fn least_squares(a: DMatrix<f64>, b: DVector<f64>) -> Result<DVector<f64>, DVector<f64>> {
+/// Velocities that the start gives: rates of coordinates and velocities of joints.
+fn given_velocities(model: &Model, inputs: &[f64]) -> Vec<(usize, f64)> {
+    let nq = model.coordinates.len();
+    let rates = model.coordinates.iter().enumerate().filter_map(|(i, c)| Some((i, c.initial_rate?)));
+    let joints = model.quasi_velocities.iter().enumerate().filter(|(_, u)| u.of_joint);
+    let joints = joints.filter_map(|(k, u)| Some((nq + k, u.initial?)));
+    rates.chain(joints).map(|(v, node)| (v, model.graph.eval(&[node], inputs)[0])).collect()
+}
+
+fn too_few(
+    model: &Model,
+    kinematics: &Kinematics,
+    g: &DMatrix<f64>,
+    given: &[(usize, f64)],
+    free: &[usize],
+    null: &DMatrix<f64>,
+) -> DeriveError {
+    let null = null.column(0);
+    let missing = null.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).map_or(0, |(i, _)| i);
+    let names: Vec<String> = given.iter().map(|(i, _)| format!("`{}`", velocity_name(model, *i))).collect();
+    let candidates: Vec<String> = (0..model.coordinates.len())
+        .filter(|&i| free.iter().zip(null.iter()).map(|(&k, n)| g[(i, k)] * n).sum::<f64>().abs() > 1e-9)
+        .take(8)
+        .map(|i| format!("`{}`", velocity_name(model, i)))
+        .collect();
+    DeriveError::TooFewInitialRates {
+        given: if names.is_empty() { "none".into() } else { names.join(", ") },
+        missing: format!("`{}`", kinematics.quasi[free[missing]].name),
+        candidates: candidates.join(", "),
+    }
+}
+
+/// The shortest least-squares solution, and what the matrix does not see, as columns.
+fn least_squares(a: DMatrix<f64>, b: DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
     let n = a.ncols();
     let mut square = DMatrix::zeros(a.nrows().max(n), n);
     square.view_mut((0, 0), (a.nrows(), n)).copy_from(&a);
@@ -89,10 +249,11 @@ fn least_squares(a: DMatrix<f64>, b: DVector<f64>) -> Result<DVector<f64>, DVect
     rhs.rows_mut(0, b.len()).copy_from(&b);
     let svd = square.svd(true, true);
     let largest = svd.singular_values.max();
-    if let Some(k) = svd.singular_values.iter().position(|s| *s <= 1e-10 * largest.max(1e-300))
-        && let Some(v_t) = &svd.v_t
-    {
-        return Err(v_t.row(k).transpose());
-    }
-    svd.solve(&rhs, 1e-12 * largest).map_err(|_| DVector::zeros(n))
+    let limit = 1e-10 * largest.max(1e-300);
+    let unseen: Vec<usize> = (0..n).filter(|&k| svd.singular_values[k] <= limit).collect();
+    let null = match &svd.v_t {
+        Some(v_t) => DMatrix::from_fn(n, unseen.len(), |i, k| v_t[(unseen[k], i)]),
+        None => DMatrix::zeros(n, 0),
+    };
+    (svd.solve(&rhs, limit).unwrap_or_else(|_| DVector::zeros(n)), null)
 }

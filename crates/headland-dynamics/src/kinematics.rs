@@ -48,6 +48,9 @@ pub struct Kinematics {
     pub dependent: Vec<usize>,
     /// Number of velocity constraints: coordinates less quasi-velocities.
     pub constraints: usize,
+    /// Mass that each velocity moves: the diagonal of the mass matrix without constraints at the state of derivation; zero
+    /// where nothing was chosen by it.
+    pub mass: Vec<f64>,
     /// Rows that follow from the others at the state of derivation and were left out, by position.
     pub redundant: Vec<usize>,
 }
@@ -109,7 +112,7 @@ pub fn solve_kinematics(model: &Model, inputs: &[f64], mass: &[f64]) -> Result<K
     let drift = drift(model, &velocities, &solved);
     let constraints = rates.len().saturating_sub(quasi.len());
     let (dependent, redundant) = (solved.dependent, solved.redundant);
-    Ok(Kinematics { quasi, rates, velocities, drift, dependent, constraints, redundant })
+    Ok(Kinematics { quasi, rates, velocities, drift, dependent, constraints, mass: mass.to_vec(), redundant })
 }
 
 /// What elimination finds.

@@ -7,6 +7,9 @@ use headland_model::{Element, Model, Place};
 pub fn start_inputs(model: &Model) -> Vec<f64> {
     let mut inputs = model.inputs();
     inputs[model.input_index(model.time)] = model.run.from;
+    for c in &model.coordinates {
+        inputs[model.input_index(c.q)] = c.guess.unwrap_or(0.0);
+    }
     let coordinates: Vec<_> = model.coordinates.iter().filter_map(|c| Some((c.q, c.initial?))).collect();
     let quasi: Vec<_> = model.quasi_velocities.iter().filter_map(|u| Some((u.u, u.initial?))).collect();
     for given in [coordinates, quasi] {

@@ -27,7 +27,7 @@ pub struct Structures<'g> {
     pub w: Vec<Vec<Expr<'g>>>,
     /// `d″` at `u′ = 0`; rows of inertia only, zero elsewhere.
     pub bias: Vec<Expr<'g>>,
-    /// Force along the structure: the value of a force, `−c d`, `−b d′`; the gyroscopic moment of a body.
+    /// Force along the structure: the value of a force, `−c d`, `−b d′`; weight and gyroscopic moment of a body.
     pub force: Vec<Expr<'g>>,
     /// Mass or moment of inertia; zero for others.
     pub inertia: Vec<Expr<'g>>,
@@ -168,6 +168,7 @@ fn body_values<'g>(body: &Body, flow: &Flow<'g>, s: &mut Structures<'g>) {
     let w = [s.rate[first + 3], s.rate[first + 4], s.rate[first + 5]];
     let h = [xx * w[0] + xy * w[1] + xz * w[2], xy * w[0] + yy * w[1] + yz * w[2], xz * w[0] + yz * w[1] + zz * w[2]];
     for i in 0..3 {
+        s.force[first + i] = graph.expr(body.weight[i]);
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);
         // (J_k − J_j) w_j w_k where the tensor is diagonal: equal moments leave nothing
         let moment = if [xy, xz, yz].iter().all(|e| e.is(0.0)) {

@@ -3,6 +3,7 @@
 use headland_expr::parse::Program;
 use headland_expr::{Expr, Graph, NodeId};
 
+use crate::assembly::Assembly;
 use crate::depend::Kinds;
 use crate::lower::{Lowering, Reported, Typed};
 use crate::model::{
@@ -23,7 +24,8 @@ impl Scene {
         let graph = Graph::new();
         let mut parts = Parts::default();
         let mut diagnostics = {
-            let mut builder = Builder { scene: self, low: Lowering::new(&graph), parts: &mut parts };
+            let mut builder =
+                Builder { scene: self, low: Lowering::new(&graph), parts: &mut parts, assembly: Assembly::default() };
             builder.declare();
             if builder.low.diagnostics.is_empty() {
                 builder.make();
@@ -115,14 +117,17 @@ pub(crate) struct Builder<'s, 'g> {
     pub(crate) scene: &'s Scene,
     pub(crate) low: Lowering<'g>,
     pub(crate) parts: &'s mut Parts,
+    pub(crate) assembly: Assembly<'s, 'g>,
 }
 
 pub(crate) type Made<T> = Result<T, Reported>;
 
 impl<'s, 'g> Builder<'s, 'g> {
     pub(crate) fn make(&mut self) {
+        self.build_assembly();
         self.check_definitions();
         self.kinematics();
+        self.assembly_elements();
         self.constraints();
         let power = self.low.unifier.unknown();
         for (section, kind) in [
@@ -257,9 +262,13 @@ impl<'s, 'g> Builder<'s, 'g> {
 
     pub(crate) fn warn(&mut self) {
         if self.low.coordinates.is_empty() {
-            self.low.report(Place::Program, "the scene has no coordinates: `[coordinates]` with names and units");
+            self.low.report(
+                Place::Program,
+                "the scene has no coordinates: `[coordinates]` with names and units, or `[[body]]`",
+            );
         }
-        if self.scene.section_elements("inertia").is_empty() && !self.low.coordinates.is_empty() {
+        let without = |s: &str| self.scene.section_elements(s).is_empty();
+        if without("inertia") && without("body") && !self.low.coordinates.is_empty() {
             let place = self.scene.section("coordinates").first().map_or(Place::Program, |e| e.key_place.clone());
             self.low.report(place, "the scene has no inertia element: [[inertia]] with a value and a structure");
         }

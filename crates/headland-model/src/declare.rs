@@ -31,6 +31,7 @@ impl<'g> Builder<'_, 'g> {
         self.parameters();
         self.coordinates();
         self.quasi_velocities();
+        self.declare_assembly();
         self.definitions("prescribed", DefinitionKind::Prescribed);
         self.definitions("definitions", DefinitionKind::Definition);
     }

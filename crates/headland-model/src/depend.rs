@@ -19,6 +19,8 @@ impl Kinds {
     pub const QUASI: Self = Self(16);
     /// Second rates of coordinates and rates of quasi-velocities.
     pub const ACCELERATION: Self = Self(32);
+    /// Velocities of joints.
+    pub const JOINT: Self = Self(64);
 
     /// Any of both.
     pub const fn or(self, other: Self) -> Self {

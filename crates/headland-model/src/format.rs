@@ -109,6 +109,16 @@ const IMPLICIT: Key =
 const EXPLICIT: Key =
     key("explicit", Kind::Expression, false, "structure d'(q, u, t): its rate by the quasi-velocities");
 
+const POSITION: Key =
+    key("position", Kind::Expressions, false, "structure: a point in the world, [x, y, z] by q and t");
+const VELOCITY: Key = key("velocity", Kind::Expressions, false, "structure: its velocity in the world, by q' or u");
+const SPIN: Key = key("spin", Kind::Expressions, false, "structure: angular velocity in body axes, by q' or u");
+const FROM: Key = key("from", Kind::Text, false, "a body or frame; `world` by default");
+const TO: Key = key("to", Kind::Text, true, "a body or frame");
+const AT: Key = key("at", Kind::Expressions, false, "place on `from`, [x, y, z]; its origin by default");
+const TO_AT: Key = key("to_at", Kind::Expressions, false, "place on `to`, [x, y, z]; its origin by default");
+const RPY: Key = key("rpy", Kind::Expressions, false, "orientation [roll, pitch, yaw]: Rz(yaw) Ry(pitch) Rx(roll)");
+
 /// The sections, in the order of the manual.
 pub const SECTIONS: &[Section] = &[
     Section { name: "title", shape: Shape::Top, kind: Kind::Text, keys: &[], doc: "what the scene is, in a line" },
@@ -145,13 +155,155 @@ pub const SECTIONS: &[Section] = &[
     names("kinematics", Kind::Expression, "form (2): `\"x'\" = ..` by quasi-velocities, coordinates and time"),
     elements(
         "constraint",
-        &[NAME, key("equation", Kind::Text, true, "an equation linear in the rates: `x'*sin(theta) = y'*cos(theta)`")],
-        "velocity constraints, form (1): the program solves them for the dependent rates",
+        &[
+            NAME,
+            key(
+                "equation",
+                Kind::Text,
+                true,
+                "linear in the rates, `x'*sin(theta) = y'*cos(theta)`, or of positions, `x^2 + y^2 = l^2`",
+            ),
+        ],
+        "constraints on velocities, form (1), or on positions: the program solves them for the dependent rates",
+    ),
+    Section {
+        name: "world",
+        shape: Shape::Keys,
+        kind: Kind::Text,
+        keys: &[key("gravity", Kind::Expressions, false, "acceleration of free fall, [x, y, z]; none by default")],
+        doc: "what acts on all bodies",
+    },
+    elements(
+        "body",
+        &[
+            NAME,
+            key("mass", Kind::Expression, false, "mass; none by default"),
+            key(
+                "center",
+                Kind::Expressions,
+                false,
+                "mass centre in the body's frame, [x, y, z]; its origin by default",
+            ),
+            key(
+                "inertia",
+                Kind::Expressions,
+                false,
+                "tensor about the mass centre, axes of the body: [xx, yy, zz] or [xx, yy, zz, xy, xz, yz], entries of the matrix",
+            ),
+            key(
+                "shape",
+                Kind::Text,
+                false,
+                "instead of `inertia`: box, cylinder, sphere, spherical shell, rod, disc, ring, ellipsoid",
+            ),
+            key("size", Kind::Expressions, false, "of the shape: edges; radius and length; radius; length; semi-axes"),
+            key("axis", Kind::Expressions, false, "of the shape: \"x\", \"y\" or \"z\" (default)"),
+        ],
+        "rigid bodies; one on which no joint acts is free",
+    ),
+    elements(
+        "frame",
+        &[NAME, key("on", Kind::Text, false, "the body or frame to which it is fixed; `world` by default"), AT, RPY],
+        "frames fixed to bodies, for joints, forces and outputs",
+    ),
+    elements(
+        "joint",
+        &[
+            NAME,
+            key(
+                "kind",
+                Kind::Text,
+                true,
+                "weld, revolute, prismatic, screw, cylindrical, universal, planar, spherical, free",
+            ),
+            FROM,
+            TO,
+            AT,
+            RPY,
+            TO_AT,
+            key("to_rpy", Kind::Expressions, false, "orientation of the joint on `to`"),
+            key(
+                "axis",
+                Kind::Expressions,
+                false,
+                "axis of turn or shift in the joint's frame: \"x\", \"y\", \"z\" (default) or [x, y, z]",
+            ),
+            key("lead", Kind::Expression, false, "of a screw: advance a turn"),
+            key("orientation", Kind::Text, false, "of a ball: `quaternion` (default) or `rpy`"),
+            key("cut", Kind::Flag, false, "true: this joint closes a loop"),
+        ],
+        "joints; their coordinates are named after them. What is over in a tree closes loops",
+    ),
+    elements(
+        "rolling",
+        &[
+            NAME,
+            key("body", Kind::Text, true, "the body or frame that rolls"),
+            key("on", Kind::Text, false, "the body or frame on whose plane z = 0 it rolls; `world` by default"),
+            key("center", Kind::Expressions, false, "centre of the wheel, ball or ellipsoid in `body`"),
+            RPY,
+            key(
+                "radius",
+                Kind::Expression,
+                false,
+                "radius of a ball, or of a disc's edge (to the middle of a rim's section)",
+            ),
+            key("axis", Kind::Expressions, false, "of a wheel or disc: \"x\", \"y\", \"z\" or [x, y, z] in `body`"),
+            key("tube", Kind::Expression, false, "radius of the section of a rim; 0 by default: a thin disc"),
+            key("semi_axes", Kind::Expressions, false, "of an ellipsoid, along the axes of `body`"),
+        ],
+        "rolling without slipping on a plane",
+    ),
+    elements(
+        "skate",
+        &[
+            NAME,
+            key("on", Kind::Text, true, "a body or frame"),
+            AT,
+            RPY,
+            key(
+                "side",
+                Kind::Expressions,
+                false,
+                "the direction in which its point does not move: \"x\", \"y\" (default), \"z\" or [x, y, z]",
+            ),
+        ],
+        "knife edges and axles that do not slip sideways",
+    ),
+    elements(
+        "spring",
+        &[
+            NAME,
+            FROM,
+            TO,
+            AT,
+            TO_AT,
+            key("stiffness", Kind::Expression, false, "force by stretch"),
+            key("damping", Kind::Expression, false, "force by rate of stretch"),
+            key("free_length", Kind::Expression, false, "length without force; 0 by default"),
+        ],
+        "springs and dampers along the line between two points",
     ),
     elements(
         "inertia",
-        &[NAME, key("value", Kind::Expression, true, "mass or moment of inertia"), GEOMETRIC, IMPLICIT, EXPLICIT],
-        "inertia elements {value, structure}",
+        &[
+            NAME,
+            key("value", Kind::Expression, false, "mass or moment of inertia of a scalar structure"),
+            GEOMETRIC,
+            IMPLICIT,
+            EXPLICIT,
+            key("mass", Kind::Expression, false, "mass of a vector element, with `position` or `velocity`"),
+            POSITION,
+            VELOCITY,
+            key(
+                "tensor",
+                Kind::Expressions,
+                false,
+                "inertia tensor about the mass centre in body axes, with `spin`: [xx, yy, zz] or [xx, yy, zz, xy, xz, yz]",
+            ),
+            SPIN,
+        ],
+        "inertia elements {value, structure}, scalar or vectors of equation (7)",
     ),
     elements(
         "elastic",
@@ -167,12 +319,25 @@ pub const SECTIONS: &[Section] = &[
         "force",
         &[
             NAME,
-            key("value", Kind::Expression, true, "force or moment along the structure"),
+            key("value", Kind::Expression, false, "force or moment along a scalar structure"),
             GEOMETRIC,
             IMPLICIT,
             EXPLICIT,
+            key(
+                "force",
+                Kind::Expressions,
+                false,
+                "force [x, y, z] at a point: of a frame (`on`), or by `position` or `velocity`",
+            ),
+            key("torque", Kind::Expressions, false, "torque [x, y, z]: on a frame (`on`), or by `spin`"),
+            key("on", Kind::Text, false, "the body or frame on which force and torque act"),
+            key("at", Kind::Expressions, false, "the point on it, [x, y, z]"),
+            key("axes", Kind::Text, false, "`world` (default) or `frame`: the axes of force and torque"),
+            POSITION,
+            VELOCITY,
+            SPIN,
         ],
-        "force elements {force, structure}",
+        "force elements {force, structure}, scalar or vectors of equation (7)",
     ),
     names(
         "initial",

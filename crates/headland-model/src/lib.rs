@@ -37,6 +37,7 @@
 //! expressions into the graph with their dimensions checked, [`build`] puts the [`Model`] together.
 
 mod agree;
+mod assembly;
 pub mod build;
 mod declare;
 mod definitions;

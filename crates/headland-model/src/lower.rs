@@ -3,6 +3,7 @@
 //! Nothing recurses over expressions: a program is run on a stack, and definitions are walked with an explicit one, so
 //! that a train of thousands of members is no deeper than one of three.
 
+use crate::assembly::{Motion, QUANTITIES, quantity};
 use crate::definitions::{Instance, State};
 use crate::depend::{Dependence, Kinds};
 use crate::dimension::{Dimension, Ratio, Unifier};
@@ -66,6 +67,8 @@ pub struct Lowering<'g> {
     pub indexed: BTreeMap<String, (Arc<str>, i64)>,
     /// Definitions made, in order.
     pub made: Vec<Made>,
+    /// Motions of the frames, once they are known.
+    pub(crate) frames: Vec<Option<Motion<'g>>>,
 }
 
 /// A definition that was made.
@@ -110,6 +113,7 @@ impl<'g> Lowering<'g> {
             derivatives: FxHashMap::default(),
             indexed: BTreeMap::new(),
             made: Vec::new(),
+            frames: Vec::new(),
         }
     }
 
@@ -138,14 +142,23 @@ impl<'g> Lowering<'g> {
 
     /// A new quasi-velocity; gives its position.
     pub fn add_quasi_velocity(&mut self, name: String, dimension: &Dimension, angle: bool, place: &Place) -> usize {
-        let u = self.dependence.input(self.graph, &name, Kinds::QUASI);
+        self.add_velocity(name, dimension, angle, place, Kinds::QUASI)
+    }
+
+    /// A new velocity of a joint, which constraints may make dependent; gives its position.
+    pub fn add_joint_velocity(&mut self, name: String, dimension: &Dimension, angle: bool, place: &Place) -> usize {
+        self.add_velocity(name, dimension, angle, place, Kinds::JOINT)
+    }
+
+    fn add_velocity(&mut self, name: String, dimension: &Dimension, angle: bool, place: &Place, kind: Kinds) -> usize {
+        let u = self.dependence.input(self.graph, &name, kind);
         let acceleration = self.dependence.input(self.graph, &format!("{name}'"), Kinds::ACCELERATION);
         self.quasi_velocities.push(QuasiVelocity {
             unit: dimension.unit(angle),
             u,
             acceleration,
             initial: None,
-            of_joint: false,
+            of_joint: kind == Kinds::JOINT,
             scale: 1.0,
             place: place.clone(),
             name,
@@ -242,6 +255,9 @@ impl<'g> Lowering<'g> {
             if name == "pi" || name == "π" {
                 return Ok(Typed { angle: true, ..Typed::number(std::f64::consts::PI, Dimension::NONE) });
             }
+        }
+        if let Some(found) = self.frame_quantity(name, index, primes, bindings, &place) {
+            return found;
         }
         let Some((symbol, _, kind)) = self.symbols.by_name.get_full(name) else {
             let names = self.symbols.by_name.keys().map(|k| &**k).chain(["pi"]);
@@ -350,6 +366,70 @@ impl<'g> Lowering<'g> {
                 Err(self.report(place, message))
             }
         }
+    }
+
+    /// `bogie[2].x`: a part of the motion of a frame; `None` if the name is not of that kind.
+    fn frame_quantity(
+        &mut self,
+        name: &str,
+        index: Option<&Program>,
+        primes: u8,
+        bindings: &[(Arc<str>, i64)],
+        place: &Place,
+    ) -> Option<Result<Typed<'g>, Reported>> {
+        let (owner, part) = name.split_once('.')?;
+        let Some(Symbol::Frame(members)) = self.symbols.by_name.get(owner) else { return None };
+        let member = match index.map(|i| self.symbols.index_value(i, bindings)) {
+            None => 0,
+            Some(Ok(member)) => member,
+            Some(Err(message)) => return Some(Err(self.report(place.clone(), message))),
+        };
+        // a coordinate of the same name means the same and is shorter
+        match self.symbols.by_name.get(name) {
+            Some(Symbol::Coordinate(m) | Symbol::QuasiVelocity(m)) if m.get(member).is_some() => return None,
+            _ => {}
+        }
+        let full = member_name(owner, member);
+        let Some(frame) = members.get(member) else {
+            let message = match (members.is_family(), index.is_some()) {
+                (true, false) => {
+                    format!("`{owner}` has {} members; which one? Write `{owner}[1].{part}`", members.last())
+                }
+                (false, true) => format!("`{owner}` has no members; it takes no index"),
+                _ => format!("`{full}` does not exist; members run to {}", members.last()),
+            };
+            return Some(Err(self.report(place.clone(), message)));
+        };
+        let Some(motion) = self.frames.get(frame).copied().flatten() else {
+            let message = format!("`{full}.{part}` moves; only what is constant can stand here");
+            return Some(Err(self.report(place.clone(), message)));
+        };
+        let Some(mut typed) = quantity(&motion, part) else {
+            let hint = suggestion(part, QUANTITIES.iter().map(|(n, _)| *n));
+            let message =
+                format!("`{full}` has no `{part}`{hint}; known: x, vx, ax, wx, omega_x, exx, roll, pitch, yaw, qw, ..");
+            return Some(Err(self.report(place.clone(), message)));
+        };
+        if primes > 0 {
+            // the rate of a position is at hand
+            let (short, primes_left) = match (part, primes) {
+                ("x" | "y" | "z", 1) => (quantity(&motion, &format!("v{part}")), 0),
+                ("x" | "y" | "z", _) | ("vx" | "vy" | "vz", 1) => {
+                    (quantity(&motion, &format!("a{}", part.trim_start_matches('v'))), 0)
+                }
+                _ => (None, primes),
+            };
+            typed = match short {
+                Some(short) => short,
+                None => match self.time_derivative(typed.expr, primes_left) {
+                    Ok(expr) => Typed { expr, dimension: per_time(&typed.dimension, primes), ..typed },
+                    Err(message) => {
+                        return Some(Err(self.report(place.clone(), format!("`{full}.{part}`: {message}"))));
+                    }
+                },
+            };
+        }
+        Some(Ok(typed))
     }
 
     /// Total derivative in time by the rates q′, q″, u′.

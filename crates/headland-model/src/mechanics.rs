@@ -86,7 +86,12 @@ impl<'g> Builder<'_, 'g> {
     /// The members of an element: one for each value of the index that its texts use.
     pub(crate) fn members_of(&mut self, formulas: &[&Formula], place: &Place) -> Made<Vec<Binding>> {
         let programs: Vec<&Program> = formulas.iter().map(|f| &f.program).collect();
-        match self.low.symbols.free_index(&programs) {
+        self.bindings(&programs, place)
+    }
+
+    /// One binding for each value of the index that the programs use.
+    pub(crate) fn bindings(&mut self, programs: &[&Program], place: &Place) -> Made<Vec<Binding>> {
+        match self.low.symbols.free_index(programs) {
             Ok(None) => Ok(vec![None]),
             Ok(Some(index)) => match self.low.symbols.by_name.get(&*index) {
                 Some(Symbol::Index(n)) => Ok((1..=*n).map(|k| Some((index.clone(), k))).collect()),
@@ -141,7 +146,7 @@ impl<'g> Builder<'_, 'g> {
     /// A constraint on velocities as it is; one on positions by its rate.
     fn constraint_row(&mut self, name: &str, zero: Expr<'g>, place: &Place) -> Made<KinematicRow> {
         let graph = self.low.graph;
-        if self.depends(zero, Kinds::RATE.or(Kinds::QUASI)).is_some() {
+        if self.depends(zero, Kinds::RATE.or(Kinds::QUASI).or(Kinds::JOINT)).is_some() {
             return Ok(KinematicRow::new(name, place, RowForm::Zero(graph.id(zero))));
         }
         if self.depends(zero, Kinds::COORDINATE).is_none() {
@@ -150,7 +155,7 @@ impl<'g> Builder<'_, 'g> {
         }
         let rate = self.low.time_derivative(zero, 1).map_err(|m| self.low.report(place.clone(), m))?;
         let row = KinematicRow::new(name, place, RowForm::Zero(graph.id(rate)));
-        Ok(KinematicRow { position: Some(graph.id(zero)), ..row })
+        Ok(KinematicRow { position: Some(graph.id(zero)), may_be_redundant: true, ..row })
     }
 
     pub(crate) fn text_field(&mut self, element: &SceneElement, key: &str) -> Made<String> {
@@ -182,6 +187,12 @@ impl<'g> Builder<'_, 'g> {
         kind: ElementKind,
         power: &Dimension,
     ) -> Made<()> {
+        let has = |keys: [&str; 2]| keys.iter().any(|k| element.get(k).is_some());
+        match kind {
+            ElementKind::Inertia if has(["mass", "tensor"]) => return self.vector_inertia(element),
+            ElementKind::Force if has(["force", "torque"]) => return self.vector_force(element),
+            _ => {}
+        }
         let name = self.text_field(element, "name")?;
         let structures: Vec<(StructureForm, &Value)> = [
             (StructureForm::Geometric, "geometric"),
@@ -239,7 +250,7 @@ impl<'g> Builder<'_, 'g> {
         self.no_accelerations(value, &value_formula.place, &format!("the value of `{name}`"))?;
         let (wrong, advice) = match form {
             StructureForm::Geometric => (
-                self.depends(structure.expr, Kinds::RATE.or(Kinds::QUASI)),
+                self.depends(structure.expr, Kinds::RATE.or(Kinds::QUASI).or(Kinds::JOINT)),
                 "a geometric structure d(q, t) has no velocities; give `implicit` (by q') or `explicit` (by u)",
             ),
             StructureForm::Implicit => (

@@ -170,6 +170,10 @@ pub struct Body {
     pub tensor: [NodeId; 6],
     /// Angular velocity in body axes.
     pub spin: VectorStructure,
+    /// Weight along the axes of the velocity, and its potential energy.
+    pub weight: VectorNodes,
+    /// Potential energy of the weight.
+    pub potential: NodeId,
     /// Where it was written.
     pub place: Place,
 }

@@ -23,9 +23,11 @@ impl<'g> Builder<'_, 'g> {
             .low
             .coordinates
             .iter()
-            .filter(|c| c.initial.is_none())
+            .filter(|c| c.initial.is_none() && c.guess.is_none())
             .map(|c| c.name.clone())
-            .chain(self.low.quasi_velocities.iter().filter(|u| u.initial.is_none()).map(|u| u.name.clone()))
+            .chain(
+                self.low.quasi_velocities.iter().filter(|u| u.initial.is_none() && !u.of_joint).map(|u| u.name.clone()),
+            )
             .collect();
         if !missing.is_empty() {
             let place = match self.scene.section("initial").first() {

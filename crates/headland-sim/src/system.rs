@@ -133,7 +133,7 @@ impl System {
 
     /// `G_ik √(M_i/M_k)` for eliminated rates i and independent rates k.
     fn growth_nodes(equations: &Equations, graph: &Graph, copy: &Copy<'_>) -> Vec<NodeId> {
-        let scale = |i: usize| equations.mass_diagonal[i].sqrt();
+        let scale = |i: usize| equations.kinematics.mass[i].sqrt();
         let mut nodes = Vec::new();
         for &i in &equations.kinematics.dependent {
             for (k, u) in equations.kinematics.quasi.iter().enumerate() {

@@ -4,6 +4,7 @@ use std::rc::Rc;
 use std::time::Instant;
 
 use headland_code::Evaluator;
+use headland_dynamics::initial::Moved;
 use headland_dynamics::{Equations, choose_dependent, derive_at};
 use headland_model::{Direction, Model};
 use headland_solve::{Integrator, Method, SolveError, Stats, Step};
@@ -68,9 +69,13 @@ impl<'m> TimeLoop<'m> {
         let mut work = Work::new(system.clone(), method);
         let (a, b) = schedule.span(options.from);
         work.problem.set_span(a, b);
+        let (y, moved) = start_state(model, equations, options.from)?;
+        let say =
+            |m: &Moved| format!("start: `{}` moved from {} to {} to fulfil the constraints", m.name, m.from, m.to);
+        let log = moved.iter().map(|m| LogEntry { t: options.from, message: say(m) }).collect();
         Ok(Self {
             integrator: method.create(system.len(), solver_options(model, &system, options))?,
-            y: start_state(model, equations, options.from)?,
+            y,
             balance: options.balance.then(|| Balance::new(system.clone())),
             warned: vec![false; model.guards.len()],
             known: vec![(equations.clone(), system)],
@@ -88,7 +93,7 @@ impl<'m> TimeLoop<'m> {
                 compile_s: 0.0,
                 energy_balance: None,
                 balance_evaluations: 0,
-                log: Vec::new(),
+                log,
             },
             model,
             options,
@@ -136,6 +141,9 @@ impl<'m> TimeLoop<'m> {
 
     fn begin(&mut self, recorder: &mut Recorder, observer: &mut dyn Observer) -> Result<(), SolveError> {
         let t = self.options.from;
+        for entry in &self.ending.log {
+            observer.message(t, &entry.message);
+        }
         self.integrator.start(&mut self.work.problem, t, &self.y)?;
         if let Some(balance) = &mut self.balance {
             balance.open(&mut self.work.problem, t, &self.y);

@@ -3,9 +3,9 @@
 use std::rc::Rc;
 
 use headland_code::{Evaluator, Function, TapeEvaluator};
-use headland_dynamics::initial::kinematic_matrices;
+use headland_dynamics::initial::{Moved, assemble, kinematic_matrices};
 use headland_dynamics::kinematics::velocity_inputs;
-use headland_dynamics::sample::{first_not_finite, start_inputs};
+use headland_dynamics::sample::first_not_finite;
 use headland_dynamics::{DeriveError, Equations, initial_velocities};
 use headland_model::Model;
 use headland_solve::{Method, Options};
@@ -88,13 +88,17 @@ impl Work {
     }
 }
 
-/// The state at the start.
-pub(crate) fn start_state(model: &Model, equations: &Equations, from: f64) -> Result<Vec<f64>, DeriveError> {
-    let mut inputs = start_inputs(model);
+/// The state at the start, and the given coordinates that were moved to fulfil the constraints.
+pub(crate) fn start_state(
+    model: &Model,
+    equations: &Equations,
+    from: f64,
+) -> Result<(Vec<f64>, Vec<Moved>), DeriveError> {
+    let (mut inputs, moved) = assemble(model)?;
     inputs[model.input_index(model.time)] = from;
     let q = model.coordinates.iter().map(|c| inputs[model.input_index(c.q)]);
     let u = initial_velocities(model, &equations.kinematics)?;
-    Ok(q.chain(u).collect())
+    Ok((q.chain(u).collect(), moved))
 }
 
 /// Tolerances by the states' scales.

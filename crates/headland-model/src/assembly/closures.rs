@@ -1,0 +1,129 @@
+//! Joints that close loops: what they forbid, at position, velocity and acceleration.
+//!
+//! With frame A of the joint on `from`, frame B on `to`, all in A's axes turned so that z is the joint's axis:
+//!
+//! ```text
+//! d = R_Aᵀ (p_B − p_A)         d′ = R_AB v_B − v_A − w_A × d
+//! d″ = R_AB a_B − a_A − w_A′ × d − w_A × (w_A × d) − 2 w_A × d′
+//! R_AB′ = R_AB [w]×            w = w_B − R_ABᵀ w_A
+//! R_AB″ = R_AB ([w]×[w]× + [w′]×),   w′ = w_B′ − R_ABᵀ w_A′ + w × R_ABᵀ w_A
+//! ```
+
+use headland_expr::Expr;
+use headland_spatial::{Pose, Rotation, Vector};
+
+use super::motion::Motion;
+use super::number;
+use crate::build::{Builder, Made};
+use crate::lower::Reported;
+use crate::model::{KinematicRow, RowForm};
+use crate::place::Place;
+
+/// A function of the motion with its first two rates.
+pub(super) type Row<'g> = [Expr<'g>; 3];
+
+impl<'g> Builder<'_, 'g> {
+    pub(super) fn close_loop(&mut self, j: usize) -> Made<()> {
+        let joint = &self.assembly.joints[j];
+        let (kind, name, place) = (joint.kind, joint.name.clone(), joint.place.clone());
+        if kind == super::joints::JointKind::Screw {
+            let message =
+                format!("the screw `{name}` closes a loop; that is not known: cut the loop elsewhere (`cut = true`)");
+            return Err(self.low.report(place, message));
+        }
+        let align = Pose::new(align_z(self.joint_axis(j)?), Vector::constant([0.0; 3]));
+        let mut ends = Vec::new();
+        for at_child in [false, true] {
+            let (body, pose) = self.joint_frame(j, at_child)?;
+            let Some(motion) = self.motion(body) else { return Err(Reported) };
+            ends.push(motion.fixed(&(pose * align)));
+        }
+        let relative = Relative::new(&ends[0], &ends[1]);
+        for &i in kind.fixed_positions() {
+            self.hold(&format!("{name}.{}", ["x", "y", "z"][i]), relative.distance(i), &place);
+        }
+        for &(i, k) in kind.fixed_rotations() {
+            self.hold(&format!("{name}.{}{}", ["x", "y", "z"][i], ["x", "y", "z"][k]), relative.rotation(i, k), &place);
+        }
+        Ok(())
+    }
+
+    /// A constraint on positions, `row = 0`, with its rates.
+    pub(super) fn hold(&mut self, name: &str, row: Row<'g>, place: &Place) {
+        if row.iter().all(|e| e.is(0.0)) {
+            return; // fulfilled whatever the motion
+        }
+        let graph = self.low.graph;
+        let [position, rate, second] = row.map(|e| graph.id(e));
+        let form = RowForm::Zero(rate);
+        let row = KinematicRow::new(name, place, form);
+        let row = KinematicRow { position: Some(position), rate: Some(second), may_be_redundant: true, ..row };
+        self.parts.kinematics.push(row);
+    }
+}
+
+/// A rotation whose z axis is the given direction; a permutation of axes where that serves.
+fn align_z<'g>(z: [f64; 3]) -> Rotation<Expr<'g>> {
+    let largest = (0..3).max_by(|&i, &k| z[i].abs().total_cmp(&z[k].abs())).unwrap_or(2);
+    let mut x = [0.0; 3];
+    x[(largest + 1) % 3] = 1.0;
+    let z = Vector(z);
+    let dot = z.dot(Vector(x));
+    let x = Vector([0, 1, 2].map(|i| x[i] - dot * z[i])).unit();
+    let y = z.cross(x);
+    Rotation([0, 1, 2].map(|i| [x[i], y[i], z[i]].map(number)))
+}
+
+/// Frame B as seen from frame A.
+pub(super) struct Relative<'g> {
+    d: Vector<Expr<'g>>,
+    d_rate: Vector<Expr<'g>>,
+    d_second: Vector<Expr<'g>>,
+    r: Rotation<Expr<'g>>,
+    w: Vector<Expr<'g>>,
+    w_rate: Vector<Expr<'g>>,
+}
+
+impl<'g> Relative<'g> {
+    pub(super) fn new(a: &Motion<'g>, b: &Motion<'g>) -> Self {
+        let r = a.rotation.transpose() * b.rotation;
+        let d = a.rotation.apply_inverse(b.position - a.position);
+        let d_rate = r.apply(b.velocity) - a.velocity - a.spin.cross(d);
+        let inertial = a.spin_rate.cross(d) + a.spin.cross(a.spin.cross(d)) + a.spin.cross(d_rate) * number(2.0);
+        let d_second = r.apply(b.acceleration) - a.acceleration - inertial;
+        let carried = r.apply_inverse(a.spin);
+        let w = b.spin - carried;
+        let w_rate = b.spin_rate - r.apply_inverse(a.spin_rate) + w.cross(carried);
+        Self { d, d_rate, d_second, r, w, w_rate }
+    }
+
+    /// `R_AB`.
+    pub(super) fn turning(&self) -> Rotation<Expr<'g>> {
+        self.r
+    }
+
+    /// Angular velocity of B relative to A, in B's axes.
+    pub(super) fn spin(&self) -> Vector<Expr<'g>> {
+        self.w
+    }
+
+    /// Rate of its components.
+    pub(super) fn spin_rate(&self) -> Vector<Expr<'g>> {
+        self.w_rate
+    }
+
+    /// A component of `d`.
+    pub(super) fn distance(&self, i: usize) -> Row<'g> {
+        [self.d[i], self.d_rate[i], self.d_second[i]]
+    }
+
+    /// The entry `e_i · R e_k`.
+    fn rotation(&self, i: usize, k: usize) -> Row<'g> {
+        let mut e = [0.0; 3];
+        e[k] = 1.0;
+        let e = Vector::constant(e);
+        let row = Vector(self.r.0[i]);
+        let turned = self.w.cross(e);
+        [row[k], row.dot(turned), row.dot(self.w.cross(turned) + self.w_rate.cross(e))]
+    }
+}
