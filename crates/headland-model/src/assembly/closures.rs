@@ -88,9 +88,14 @@ impl<'g> Relative<'g> {
     pub(super) fn new(a: &Motion<'g>, b: &Motion<'g>) -> Self {
         let r = a.rotation.transpose() * b.rotation;
         let d = a.rotation.apply_inverse(b.position - a.position);
-        let d_rate = r.apply(b.velocity) - a.velocity - a.spin.cross(d);
-        let inertial = a.spin_rate.cross(d) + a.spin.cross(a.spin.cross(d)) + a.spin.cross(d_rate) * number(2.0);
-        let d_second = r.apply(b.acceleration) - a.acceleration - inertial;
+        let stands = [a.spin, a.velocity, a.spin_rate, a.acceleration].iter().all(|v| (0..3).all(|i| v[i].is(0.0)));
+        let (d_rate, d_second) = if stands {
+            (a.rotation.apply_inverse(b.velocity_in_world()), a.rotation.apply_inverse(b.acceleration_in_world()))
+        } else {
+            let d_rate = r.apply(b.velocity) - a.velocity - a.spin.cross(d);
+            let inertial = a.spin_rate.cross(d) + a.spin.cross(a.spin.cross(d)) + a.spin.cross(d_rate) * number(2.0);
+            (d_rate, r.apply(b.acceleration) - a.acceleration - inertial)
+        };
         let carried = r.apply_inverse(a.spin);
         let w = b.spin - carried;
         let w_rate = b.spin_rate - r.apply_inverse(a.spin_rate) + w.cross(carried);
