@@ -22,6 +22,7 @@
 
 pub mod balance;
 pub mod options;
+pub mod project;
 mod record;
 pub mod report;
 pub mod run;

@@ -17,6 +17,7 @@ pub(crate) struct Recorder {
     /// True for rows at given times only.
     exact: bool,
     pub(crate) residual: Option<f64>,
+    pub(crate) position_residual: Option<f64>,
     pub(crate) evaluations: u64,
     y: Vec<f64>,
 }
@@ -39,7 +40,16 @@ impl Recorder {
             ..Trajectory::default()
         };
         let factors = model.outputs.iter().map(|o| o.factor).collect();
-        Self { trajectory, factors, ahead, exact: options.at.is_some(), residual: None, evaluations: 0, y: Vec::new() }
+        Self {
+            trajectory,
+            factors,
+            ahead,
+            exact: options.at.is_some(),
+            residual: None,
+            position_residual: None,
+            evaluations: 0,
+            y: Vec::new(),
+        }
     }
 
     fn row(&mut self, work: &mut Work, t: f64, y: &[f64]) {
@@ -51,6 +61,10 @@ impl Recorder {
             let x = work.problem.inputs_for(&work.system.residuals, t, y);
             let worst = work.residuals.eval(x).iter().fold(0.0_f64, |a, r| a.max(r.abs()));
             self.residual = Some(self.residual.unwrap_or(0.0).max(worst));
+        }
+        if !work.system.positions.is_empty() {
+            let worst = work.problem.position_residual(t, y);
+            self.position_residual = Some(self.position_residual.unwrap_or(0.0).max(worst));
         }
     }
 

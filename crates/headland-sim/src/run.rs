@@ -79,7 +79,7 @@ pub fn run(model: &Model, options: &RunOptions, observer: &mut dyn Observer) -> 
         algorithm: equations.algorithm,
         algorithm_why: equations.why.clone(),
         energy_balance: ending.energy_balance,
-        constraint_position: None,
+        constraint_position: recorder.position_residual,
         constraint_velocity: recorder.residual,
         log: ending.log,
     };

@@ -12,6 +12,8 @@ use headland_expr::{Expr, Graph, NodeId};
 use headland_model::{LinearSolver, Model, RowForm};
 use headland_solve::{EvalFailure, OdeProblem, Pattern};
 
+use crate::project::{Positions, Projector};
+
 /// An event function of the system.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Watch {
@@ -56,6 +58,10 @@ pub struct System {
     pub guards: Compiled,
     /// Residuals of the velocity constraints in form (1).
     pub residuals: Compiled,
+    /// Constraints on positions.
+    pub positions: Positions,
+    /// Which of the residuals belong to rows that were left out as redundant.
+    pub redundant: Vec<usize>,
     /// Scaled entries of G of the dependent rates: the growth of the partition.
     pub growth: Compiled,
     events: TapeFunction,
@@ -86,6 +92,11 @@ impl System {
             RowForm::Rate(..) => None,
         });
         let residuals = by_state(rows.collect());
+        let holonomic: Vec<NodeId> = model.kinematics.iter().filter_map(|r| r.position).collect();
+        let holonomic = copy.nodes(&holonomic);
+        let constraints = model.kinematics.iter().enumerate().filter(|(_, r)| matches!(r.form, RowForm::Zero(_)));
+        let redundant = constraints.enumerate().filter(|(_, (row, _))| kinematics.redundant.contains(row));
+        let redundant: Vec<usize> = redundant.map(|(position, _)| position).collect();
         let (watches, events) =
             Self::event_nodes(model, &graph, &guards, &by_state(model.events.iter().map(|e| e.quantity).collect()));
         let growth = Self::growth_nodes(equations, &graph, &copy);
@@ -107,6 +118,8 @@ impl System {
             energies: compile(&energies),
             guards: compile(&guards),
             residuals: compile(&residuals),
+            positions: Positions::new(&graph, &holonomic, nq),
+            redundant,
             growth: compile(&growth),
             events: plain(&events),
             jacobian: OnceCell::new(),
@@ -262,6 +275,7 @@ pub struct Problem {
     rhs: TapeEvaluator,
     jacobian: Option<TapeEvaluator>,
     events: TapeEvaluator,
+    projector: Projector,
     x: Vec<f64>,
     mass: Vec<f64>,
     force: Vec<f64>,
@@ -280,6 +294,7 @@ impl Problem {
             rhs: system.rhs.evaluator(),
             jacobian: None,
             events: system.events.evaluator(),
+            projector: system.positions.projector(),
             x: vec![0.0; 1 + system.len() + system.nu],
             mass: Vec::new(),
             force: Vec::new(),
@@ -307,6 +322,12 @@ impl Problem {
             0.5 * (self.span.0 + self.span.1)
         };
         self.x[1..=y.len()].copy_from_slice(y);
+    }
+
+    /// Largest residual of the constraints on positions.
+    pub fn position_residual(&mut self, t: f64, y: &[f64]) -> f64 {
+        self.load(t, y);
+        self.projector.worst(&self.x)
     }
 
     /// `x` for a compiled function: with u′ only if it reads them.
@@ -406,6 +427,22 @@ impl OdeProblem for Problem {
     fn events(&mut self, t: f64, y: &[f64], g: &mut [f64]) -> Result<(), EvalFailure> {
         self.load(t, y);
         g.copy_from_slice(self.events.eval(&self.x));
+        Ok(())
+    }
+
+    fn has_projection(&self) -> bool {
+        !self.system.positions.is_empty()
+    }
+
+    fn project(&mut self, t: f64, y: &[f64], correction: &mut [f64]) -> Result<(), EvalFailure> {
+        self.load(t, y);
+        let system = self.system.clone();
+        if !self.projector.project(&system.positions, &mut self.x) {
+            return Err(EvalFailure::Recoverable);
+        }
+        for ((c, y), x) in correction.iter_mut().zip(y).zip(&self.x[1..]) {
+            *c = x - y;
+        }
         Ok(())
     }
 

@@ -6,7 +6,7 @@ use std::time::Instant;
 use headland_code::Evaluator;
 use headland_dynamics::initial::Moved;
 use headland_dynamics::{Equations, choose_dependent, derive_at};
-use headland_model::{Direction, Model};
+use headland_model::{Direction, Model, RowForm};
 use headland_solve::{Integrator, Method, SolveError, Stats, Step};
 
 use crate::balance::Balance;
@@ -217,6 +217,9 @@ impl<'m> TimeLoop<'m> {
 
     /// Looks for better independent rates when the entries of G have grown.
     fn repartition(&mut self, t: f64, observer: &mut dyn Observer) -> Result<bool, SolveError> {
+        if let Some(changed) = self.watch_redundant(t, observer)? {
+            return Ok(changed);
+        }
         let growth = self.work.growth(t, &self.y);
         if growth < self.growth_limit {
             return Ok(false);
@@ -252,6 +255,33 @@ impl<'m> TimeLoop<'m> {
         self.y = y;
         self.use_system(system)?;
         Ok(true)
+    }
+
+    /// Constraints left out as redundant must go on to follow from the others; where one does not any more, the choice is
+    /// made again.
+    fn watch_redundant(&mut self, t: f64, observer: &mut dyn Observer) -> Result<Option<bool>, SolveError> {
+        let fastest = self.y[self.work.system.nq..].iter().fold(0.0_f64, |a, u| a.max(u.abs()));
+        let Some((residual, row)) = self.work.redundant_residual(t, &self.y) else { return Ok(None) };
+        if residual <= 1e-6 * fastest.max(1e-3) {
+            return Ok(None);
+        }
+        let rows = self.model.kinematics.iter().filter(|r| matches!(r.form, RowForm::Zero(_)));
+        let name = rows.map(|r| r.name.as_str()).nth(row).unwrap_or_default().to_string();
+        let inputs = self.work.model_inputs(self.model, t, &self.y);
+        let Some((equations, system)) = self.derive_again(&inputs) else {
+            let reason = format!(
+                "the constraint `{name}` followed from the others at the start but does not at t = {t} s: \
+                 there is more than one way on"
+            );
+            self.ending.status = Status::Failed(reason);
+            return Ok(Some(false));
+        };
+        self.y = Work::new(system.clone(), self.method).state_from(self.model, &inputs);
+        self.tell(t, &format!("the constraint `{name}` does not follow from the others any more"), observer);
+        self.ending.repartitions += 1;
+        self.equations = equations;
+        self.use_system(system)?;
+        Ok(Some(true))
     }
 
     /// The equations for the independent rates that suit the given state, derived or fetched; none if they are the present ones.

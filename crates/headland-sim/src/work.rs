@@ -53,6 +53,17 @@ impl Work {
         self.growth.eval(x).iter().fold(0.0, |a: f64, g| a.max(g.abs()))
     }
 
+    /// Largest residual among the constraints that were left out as redundant, with its position.
+    pub(crate) fn redundant_residual(&mut self, t: f64, y: &[f64]) -> Option<(f64, usize)> {
+        if self.system.redundant.is_empty() {
+            return None;
+        }
+        let x = self.problem.inputs_for(&self.system.residuals, t, y);
+        let values = self.residuals.eval(x);
+        let left = self.system.redundant.iter().map(|&i| (values[i].abs(), i));
+        left.max_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
     /// The model's inputs at a state: parameters, time, coordinates, named quasi-velocities and all rates.
     pub(crate) fn model_inputs(&self, model: &Model, t: f64, y: &[f64]) -> Vec<f64> {
         let mut inputs = model.inputs();
