@@ -68,8 +68,24 @@ mod stats;
 
 #[cfg(feature = "cvode")]
 mod cvode;
+#[cfg(feature = "ida")]
+mod consistent;
+#[cfg(feature = "ida")]
+mod dae;
+#[cfg(feature = "ida")]
+mod dense;
+#[cfg(feature = "ida")]
+mod ida;
+#[cfg(any(feature = "cvode", feature = "ida"))]
+mod sundials;
 
-pub use error::SolveError;
+#[cfg(feature = "ida")]
+pub use consistent::{Change, StartReport};
+#[cfg(feature = "ida")]
+pub use dae::{DaeProblem, StartLevel, Unknown};
+pub use error::{EquationResidual, SolveError};
+#[cfg(feature = "ida")]
+pub use ida::Ida;
 pub use integrator::{Integrator, Step};
 pub use method::{Method, method_names};
 pub use options::Options;
