@@ -204,10 +204,6 @@ impl<S: Stepper> Driver<S> {
     pub(crate) fn stepper(&self) -> &S {
         &self.stepper
     }
-
-    pub(crate) fn stepper_mut(&mut self) -> &mut S {
-        &mut self.stepper
-    }
 }
 
 /// Every method for `ẏ = f(t, y)`.

@@ -66,10 +66,10 @@ mod options;
 mod problem;
 mod stats;
 
-#[cfg(feature = "cvode")]
-mod cvode;
 #[cfg(feature = "ida")]
 mod consistent;
+#[cfg(feature = "cvode")]
+mod cvode;
 #[cfg(feature = "ida")]
 mod dae;
 #[cfg(feature = "ida")]

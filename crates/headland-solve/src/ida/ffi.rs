@@ -189,8 +189,7 @@ impl Session {
         self.enter(problem);
         let one_step = sys::IDA_ONE_STEP as c_int;
         // SAFETY: as above; `enter` has set the problem, which outlives the call.
-        let code =
-            unsafe { sys::IDASolve(self.memory, t_towards, &mut t, self.y.raw(), self.dy.raw(), one_step) };
+        let code = unsafe { sys::IDASolve(self.memory, t_towards, &mut t, self.y.raw(), self.dy.raw(), one_step) };
         self.bridge.leave();
         check("stepping", code)?;
         if self.bridge.bad.is_some_and(|bad| bad.t <= t) {
@@ -203,7 +202,8 @@ impl Session {
     fn enter(&mut self, problem: &mut dyn DaeProblem) {
         let pointer: *mut (dyn DaeProblem + '_) = problem;
         // SAFETY: only the lifetime changes; the pointer is removed before the caller's borrow ends.
-        let pointer = unsafe { std::mem::transmute::<*mut (dyn DaeProblem + '_), *mut (dyn DaeProblem + 'static)>(pointer) };
+        let pointer =
+            unsafe { std::mem::transmute::<*mut (dyn DaeProblem + '_), *mut (dyn DaeProblem + 'static)>(pointer) };
         self.bridge.problem = Some(pointer);
     }
 
@@ -321,7 +321,13 @@ unsafe fn IDASetErrHandlerFn<M, H, D>(_: M, _: H, _: D) -> c_int {
     0
 }
 
-unsafe extern "C" fn on_residual(t: f64, y: sys::N_Vector, dy: sys::N_Vector, r: sys::N_Vector, data: *mut c_void) -> c_int {
+unsafe extern "C" fn on_residual(
+    t: f64,
+    y: sys::N_Vector,
+    dy: sys::N_Vector,
+    r: sys::N_Vector,
+    data: *mut c_void,
+) -> c_int {
     // SAFETY: the library hands back the bridge and vectors of the session's length, of which `r`
     // does not overlap the others.
     unsafe {
