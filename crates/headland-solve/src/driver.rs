@@ -212,7 +212,7 @@ where
     S: for<'p> Stepper<Problem<'p> = dyn OdeProblem + 'p>,
 {
     fn name(&self) -> &'static str {
-        self.stepper.name()
+        self.stepper().name()
     }
 
     fn start(&mut self, problem: &mut dyn OdeProblem, t: f64, y: &[f64]) -> Result<(), SolveError> {
@@ -224,15 +224,15 @@ where
     }
 
     fn t(&self) -> f64 {
-        self.t
+        Self::t(self)
     }
 
     fn t_previous(&self) -> f64 {
-        self.t_previous
+        Self::t_previous(self)
     }
 
     fn y(&self) -> &[f64] {
-        &self.y
+        self.state()
     }
 
     fn interpolate(&mut self, problem: &mut dyn OdeProblem, t: f64, y: &mut [f64]) -> Result<(), SolveError> {
@@ -244,14 +244,14 @@ where
     }
 
     fn events_waiting(&self) -> usize {
-        self.locator.waiting()
+        Self::events_waiting(self)
     }
 
     fn looks_stiff(&self) -> bool {
-        self.stepper.looks_stiff()
+        self.stepper().looks_stiff()
     }
 
     fn stats(&self) -> &Stats {
-        self.stepper.stats()
+        self.stepper().stats()
     }
 }

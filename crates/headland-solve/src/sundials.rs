@@ -236,6 +236,7 @@ pub(crate) struct Bridge<P: ?Sized> {
     pub t_last: f64,
     /// Evaluations of the equations.
     pub evaluations: u64,
+    #[cfg_attr(not(feature = "cvode"), allow(dead_code))]
     pub projections: u64,
 }
 
