@@ -11,8 +11,9 @@ mod ffi;
 
 use sundials_sys as sys;
 
-use self::ffi::{BadEvaluation, Counts, Failed, Session};
+use self::ffi::{Counts, Session};
 use crate::driver::Stepper;
+use crate::sundials::{BadEvaluation, Failed};
 use crate::{OdeProblem, Options, SolveError, Stats};
 
 pub(crate) struct Cvode {
@@ -106,11 +107,13 @@ impl Cvode {
 }
 
 impl Stepper for Cvode {
+    type Problem<'p> = dyn OdeProblem + 'p;
+
     fn name(&self) -> &'static str {
         if self.bdf { "cvode-bdf" } else { "cvode-adams" }
     }
 
-    fn begin(&mut self, problem: &mut dyn OdeProblem, t: f64, y: &[f64]) -> Result<(), SolveError> {
+    fn begin(&mut self, problem: &mut (dyn OdeProblem + '_), t: f64, y: &[f64]) -> Result<(), SolveError> {
         if !self.bdf && problem.has_projection() {
             return Err(SolveError::Unsupported {
                 method: self.name(),
@@ -125,7 +128,7 @@ impl Stepper for Cvode {
         self.session.start(problem, t, y, self.h_first, self.h_max).map_err(|failed| unexpected(failed, t))
     }
 
-    fn advance(&mut self, problem: &mut dyn OdeProblem, t_stop: f64) -> Result<(), SolveError> {
+    fn advance(&mut self, problem: &mut (dyn OdeProblem + '_), t_stop: f64) -> Result<(), SolveError> {
         let mut stop = t_stop;
         if std::mem::take(&mut self.h_max_fell) && self.has_step && self.session.next_step_size() > self.h_max {
             stop = t_stop.min(self.t1 + self.h_max);
@@ -155,7 +158,7 @@ impl Stepper for Cvode {
         self.session.y()
     }
 
-    fn dense(&mut self, _problem: &mut dyn OdeProblem, t: f64, y: &mut [f64]) -> Result<(), SolveError> {
+    fn dense(&mut self, _problem: &mut (dyn OdeProblem + '_), t: f64, y: &mut [f64]) -> Result<(), SolveError> {
         if !self.has_step {
             y.copy_from_slice(self.session.y());
             return Ok(());

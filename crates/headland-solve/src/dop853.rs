@@ -343,11 +343,13 @@ impl Dop853 {
 }
 
 impl Stepper for Dop853 {
+    type Problem<'p> = dyn OdeProblem + 'p;
+
     fn name(&self) -> &'static str {
         "dop853"
     }
 
-    fn begin(&mut self, problem: &mut dyn OdeProblem, t: f64, y: &[f64]) -> Result<(), SolveError> {
+    fn begin(&mut self, problem: &mut (dyn OdeProblem + '_), t: f64, y: &[f64]) -> Result<(), SolveError> {
         (self.t0, self.t1) = (t, t);
         self.y0.copy_from_slice(y);
         self.y1.copy_from_slice(y);
@@ -365,7 +367,7 @@ impl Stepper for Dop853 {
         }
     }
 
-    fn advance(&mut self, problem: &mut dyn OdeProblem, t_stop: f64) -> Result<(), SolveError> {
+    fn advance(&mut self, problem: &mut (dyn OdeProblem + '_), t_stop: f64) -> Result<(), SolveError> {
         self.set_out();
         let guess = match self.h {
             Some(h) => Ok(h),
@@ -412,7 +414,7 @@ impl Stepper for Dop853 {
         &self.y1
     }
 
-    fn dense(&mut self, problem: &mut dyn OdeProblem, t: f64, y: &mut [f64]) -> Result<(), SolveError> {
+    fn dense(&mut self, problem: &mut (dyn OdeProblem + '_), t: f64, y: &mut [f64]) -> Result<(), SolveError> {
         if !self.has_poly && self.t1 > self.t0 {
             self.prepare_dense(problem)?;
         }

@@ -88,6 +88,56 @@ pub enum SolveError {
         /// Its value.
         value: f64,
     },
+    /// The equations do not hold at the start, and no start near it is found where they do.
+    #[error(
+        "no consistent start at t = {t} s after {iterations} iterations: {}; \
+         equations that contradict each other, or a guess too far away",
+        list_residuals(.equations)
+    )]
+    InconsistentStart {
+        /// Time of the start, in s.
+        t: f64,
+        /// What is left of the equations, the largest relative to its tolerance first.
+        equations: Vec<EquationResidual>,
+        /// Iterations made; 0 if none was asked for.
+        iterations: u32,
+    },
+    /// The equations do not hold at a start that was to be taken as it is.
+    #[error("the equations do not hold at the start, t = {t} s: {}; make_consistent finds a start where they do",
+        list_residuals(.equations))]
+    StartNotConsistent {
+        /// Time of the start, in s.
+        t: f64,
+        /// The equations that do not hold, the largest relative to its tolerance first.
+        equations: Vec<EquationResidual>,
+    },
+    /// Equations that say the same, or nothing, about the unknowns, so that others stay open.
+    #[error("the equations are singular at t = {t} s: {}", list_singular(.equations, .unknowns))]
+    SingularEquations {
+        /// Time reached, in s.
+        t: f64,
+        /// Sets of equations that depend on each other; one alone contains none of the unknowns.
+        equations: Vec<Vec<String>>,
+        /// Components that the equations do not determine.
+        unknowns: Vec<String>,
+    },
+    /// The first step fails however small: the start breaks a constraint that is hidden in the
+    /// derivatives of the equations.
+    #[error(
+        "the first step from t = {t} s fails with step sizes down to {h:.1e} s; the largest error is in `{worst}`. \
+         The equations alone do not determine {} (index above 1): the start must satisfy their derivatives too, \
+         see start_levels", list_names(.undetermined)
+    )]
+    HiddenConstraint {
+        /// Time of the start, in s.
+        t: f64,
+        /// Last step size tried, in s.
+        h: f64,
+        /// Component with the largest error relative to its tolerance.
+        worst: String,
+        /// Algebraic components and derivatives that the equations alone do not determine.
+        undetermined: Vec<String>,
+    },
     /// The method cannot do what the problem asks for.
     #[error("method {method} cannot {what}; {instead} can")]
     Unsupported {
@@ -126,4 +176,37 @@ pub enum SolveError {
         /// Code returned.
         code: i32,
     },
+}
+
+/// What is left of an equation that should be zero.
+#[derive(Clone, PartialEq, Debug)]
+pub struct EquationResidual {
+    /// Name of the equation.
+    pub equation: String,
+    /// Its residual, in its unit.
+    pub residual: f64,
+}
+
+fn list_names(names: &[String]) -> String {
+    let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    names.join(", ")
+}
+
+fn list_residuals(equations: &[EquationResidual]) -> String {
+    let one = |e: &EquationResidual| format!("`{}` is left at {:.1e}", e.equation, e.residual);
+    equations.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+fn list_singular(equations: &[Vec<String>], unknowns: &[String]) -> String {
+    let mut parts: Vec<String> = equations
+        .iter()
+        .map(|set| match set.as_slice() {
+            [one] => format!("`{one}` contains none of the unknowns"),
+            set => format!("{} depend on each other", list_names(set)),
+        })
+        .collect();
+    if !unknowns.is_empty() {
+        parts.push(format!("nothing determines {}", list_names(unknowns)));
+    }
+    parts.join("; ")
 }

@@ -11,9 +11,9 @@
 
 use std::collections::VecDeque;
 
-use crate::driver::Stepper;
+use crate::driver::{Stepper, Watched};
 use crate::problem::EvalFailure;
-use crate::{Function, OdeProblem, SolveError, Stats, Step};
+use crate::{Function, SolveError, Stats, Step};
 
 /// Fractions of a step looked at while a function is zero and has to show where it goes.
 const LEAVING: [f64; 3] = [1e-3, 1e-2, 0.1];
@@ -86,12 +86,12 @@ impl Locator {
 
     pub(crate) fn start(
         &mut self,
-        problem: &mut dyn OdeProblem,
+        problem: &mut (impl Watched + ?Sized),
         t: f64,
         y: &[f64],
         stats: &mut Stats,
     ) -> Result<(), SolveError> {
-        let count = problem.event_count();
+        let count = problem.watch_count();
         for g in [&mut self.g, &mut self.g_a, &mut self.g_b, &mut self.g_m] {
             g.resize(count, 0.0);
         }
@@ -117,7 +117,7 @@ impl Locator {
     pub(crate) fn search<S: Stepper>(
         &mut self,
         stepper: &mut S,
-        problem: &mut dyn OdeProblem,
+        problem: &mut S::Problem<'_>,
         t: f64,
         t_end: f64,
     ) -> Result<Option<Hit>, SolveError> {
@@ -147,7 +147,7 @@ impl Locator {
     fn scan<S: Stepper>(
         &mut self,
         stepper: &mut S,
-        problem: &mut dyn OdeProblem,
+        problem: &mut S::Problem<'_>,
         t: f64,
         t_end: f64,
         exact: bool,
@@ -184,7 +184,7 @@ impl Locator {
     fn narrow<S: Stepper>(
         &mut self,
         stepper: &mut S,
-        problem: &mut dyn OdeProblem,
+        problem: &mut S::Problem<'_>,
         [mut a, mut b]: [f64; 2],
     ) -> Result<f64, SolveError> {
         let resolution = 2.0 * f64::EPSILON * a.abs().max(b.abs());
@@ -242,10 +242,16 @@ impl Locator {
 }
 
 /// Evaluates the event functions, checks and counts.
-fn eval(problem: &mut dyn OdeProblem, t: f64, y: &[f64], g: &mut [f64], stats: &mut Stats) -> Result<(), SolveError> {
+fn eval(
+    problem: &mut (impl Watched + ?Sized),
+    t: f64,
+    state: &[f64],
+    g: &mut [f64],
+    stats: &mut Stats,
+) -> Result<(), SolveError> {
     stats.event_evaluations += 1;
     let function = Function::Events;
-    match problem.events(t, y, g) {
+    match problem.watch(t, state, g) {
         Ok(()) => {}
         Err(EvalFailure::Recoverable | EvalFailure::Fatal) => {
             return Err(SolveError::EvaluationFailed { function, t });
@@ -253,6 +259,6 @@ fn eval(problem: &mut dyn OdeProblem, t: f64, y: &[f64], g: &mut [f64], stats: &
     }
     match g.iter().position(|v| !v.is_finite()) {
         None => Ok(()),
-        Some(i) => Err(SolveError::NotFinite { function, t, component: problem.event_name(i) }),
+        Some(i) => Err(SolveError::NotFinite { function, t, component: problem.watch_name(i) }),
     }
 }

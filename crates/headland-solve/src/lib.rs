@@ -1,4 +1,4 @@
-//! Integrators for initial value problems `ẏ = f(t, y)`, one step at a time.
+//! Integrators for initial value problems `ẏ = f(t, y)` and `F(t, y, ẏ) = 0`, one step at a time.
 //!
 //! This crate knows functions, not mechanics. A problem implements [`OdeProblem`]; a [`Method`] makes
 //! an [`Integrator`], which takes accepted steps, stops exactly where it is told to, finds events,
@@ -48,12 +48,14 @@
 //! 3. [`Integrator::step`] until [`Step::End`]. Behind it the driver (`driver.rs`) asks the method for
 //!    an accepted step and goes through it piece by piece: events (`events.rs`), stops, limits.
 //! 4. The methods: `dop853.rs` is explicit Runge-Kutta of order 8; `cvode.rs` is SUNDIALS CVODE with
-//!    BDF and Adams formulas, behind `cvode/ffi.rs`, the only place with unsafe code.
+//!    BDF and Adams formulas; `ida.rs` is SUNDIALS IDA for differential-algebraic problems
+//!    (`DaeProblem`), with consistent starts in `consistent.rs` and `ida/start.rs`. The C library
+//!    stands behind `sundials.rs`, `cvode/ffi.rs` and `ida/ffi.rs`, the only places with unsafe code.
 //! 5. [`Stats`] count, a [`SolveError`] tells what went wrong. Nothing is ever printed.
 //!
 //! # Features
-//! `cvode` (default) links the system's SUNDIALS, version 6 or 7; `static` builds it from source
-//! instead. Without both, `dop853` alone is left, and no C at all.
+//! `cvode` (default) and `ida` link the system's SUNDIALS, version 6 or 7; `static` builds it from
+//! source instead. Without them, `dop853` alone is left, and no C at all.
 
 mod dop853;
 mod dop853_tableau;
@@ -66,10 +68,26 @@ mod options;
 mod problem;
 mod stats;
 
+#[cfg(feature = "ida")]
+mod consistent;
 #[cfg(feature = "cvode")]
 mod cvode;
+#[cfg(feature = "ida")]
+mod dae;
+#[cfg(feature = "ida")]
+mod dense;
+#[cfg(feature = "ida")]
+mod ida;
+#[cfg(any(feature = "cvode", feature = "ida"))]
+mod sundials;
 
-pub use error::SolveError;
+#[cfg(feature = "ida")]
+pub use consistent::{Change, StartReport};
+#[cfg(feature = "ida")]
+pub use dae::{DaeProblem, StartLevel, Unknown};
+pub use error::{EquationResidual, SolveError};
+#[cfg(feature = "ida")]
+pub use ida::Ida;
 pub use integrator::{Integrator, Step};
 pub use method::{Method, method_names};
 pub use options::Options;

@@ -67,11 +67,11 @@ impl Method {
     pub fn create(self, n: usize, options: Options) -> Result<Box<dyn Integrator>, SolveError> {
         options.check(n)?;
         match self {
-            Self::Dop853 => Ok(Box::new(Driver::new(Dop853::new(n, &options), options))),
+            Self::Dop853 => Ok(Box::new(Driver::new(Dop853::new(n, &options), n, &options))),
             #[cfg(feature = "cvode")]
             Self::CvodeBdf | Self::CvodeAdams => {
                 let cvode = crate::cvode::Cvode::new(self == Self::CvodeBdf, n, &options)?;
-                Ok(Box::new(Driver::new(cvode, options)))
+                Ok(Box::new(Driver::new(cvode, n, &options)))
             }
             #[cfg(not(feature = "cvode"))]
             Self::CvodeBdf | Self::CvodeAdams => Err(SolveError::NotBuilt { method: self.name(), feature: "cvode" }),

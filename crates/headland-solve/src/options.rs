@@ -5,7 +5,7 @@ use crate::SolveError;
 /// Tolerances, step limits and method settings.
 ///
 /// A step is accepted when `error_i / (atol_i + rtol |y_i|)` is at most 1: for every component with `dop853`, in the
-/// root mean square over the components with CVODE.
+/// root mean square over the components with CVODE and IDA.
 ///
 /// ```
 /// let mut options = headland_solve::Options::new(1e-8, vec![1e-10; 3]);
@@ -33,6 +33,9 @@ pub struct Options {
     /// BDF: whether the order is lowered when a mode close to the imaginary axis makes orders 3 to
     /// 5 unstable. Off by default.
     pub stability_limit_detection: bool,
+    /// IDA: whether all algebraic components are left out of the error test. Off by default; wanted
+    /// for problems of index 2, whose multipliers are less accurate than the rest.
+    pub suppress_algebraic: bool,
 }
 
 impl Options {
@@ -48,6 +51,7 @@ impl Options {
             event_samples: 3,
             max_order: None,
             stability_limit_detection: false,
+            suppress_algebraic: false,
         }
     }
 

@@ -206,6 +206,10 @@ pub enum Function {
     Events,
     /// [`OdeProblem::project`]
     Projection,
+    /// `DaeProblem::residual`
+    Residual,
+    /// `DaeProblem::start_residual`
+    StartResidual,
 }
 
 impl fmt::Display for Function {
@@ -215,6 +219,8 @@ impl fmt::Display for Function {
             Self::Jacobian => "Jacobian",
             Self::Events => "event functions",
             Self::Projection => "projection onto the constraints",
+            Self::Residual => "residual of the equations",
+            Self::StartResidual => "residual of the conditions on the start",
         })
     }
 }

@@ -1,35 +1,21 @@
-//! The border to the C library: everything unsafe of this crate is here.
+//! The border to CVODE: calls of the C library and its callbacks.
 //!
-//! A [`Session`] owns what the library allocates. The library's callbacks reach the problem through
-//! the [`Bridge`], whose pointer is set for the time of one call only; a panic in a callback is
-//! caught, carried past the C frames and thrown again behind them.
+//! A [`Session`] owns what the library allocates; `sundials.rs` has what it shares with other solvers.
 #![allow(unsafe_code)]
 
-use std::any::Any;
 use std::ffi::{c_int, c_void};
-use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::ptr;
 
 use sundials_sys as sys;
 
 use crate::problem::EvalFailure;
+use crate::sundials::{
+    BadEvaluation, Context, DenseSolver, Failed, Handler, Vector, check, first_not_finite, made, on_message, scatter,
+    slice, slice_mut,
+};
 use crate::{Function, OdeProblem, Options};
 
-/// A call of the library that failed.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Failed {
-    pub doing: &'static str,
-    pub code: c_int,
-}
-
-/// The last evaluation that failed.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct BadEvaluation {
-    pub function: Function,
-    pub t: f64,
-    /// First component that is not finite, if that was it.
-    pub component: Option<usize>,
-}
+type Bridge = crate::sundials::Bridge<dyn OdeProblem>;
 
 /// Counts of the library since the last start.
 #[derive(Clone, Copy, Default)]
@@ -42,27 +28,13 @@ pub(super) struct Counts {
     pub jacobians: u64,
 }
 
-/// What the callbacks see.
-struct Bridge {
-    n: usize,
-    problem: Option<*mut (dyn OdeProblem + 'static)>,
-    jacobian: Vec<f64>,
-    panic: Option<Box<dyn Any + Send>>,
-    bad: Option<BadEvaluation>,
-    t_last: f64,
-    rhs: u64,
-    projections: u64,
-}
-
 /// CVODE for one problem size.
 pub(super) struct Session {
-    context: sys::SUNContext,
     memory: *mut c_void,
-    y: sys::N_Vector,
-    work: sys::N_Vector,
-    atol: sys::N_Vector,
-    matrix: sys::SUNMatrix,
-    linear: sys::SUNLinearSolver,
+    y: Vector,
+    work: Vector,
+    atol: Vector,
+    dense: Option<DenseSolver>,
     nonlinear: sys::SUNNonlinearSolver,
     bridge: Box<Bridge>,
     initialized: bool,
@@ -71,6 +43,7 @@ pub(super) struct Session {
     rtol: f64,
     max_order: Option<u8>,
     stability_limit_detection: bool,
+    context: Context,
 }
 
 // SAFETY: the session owns all that its pointers lead to, shares none of it with another session,
@@ -79,53 +52,35 @@ unsafe impl Send for Session {}
 
 impl Session {
     pub(super) fn new(bdf: bool, n: usize, options: &Options) -> Result<Self, Failed> {
-        // The library wants one component at least; ours then is a constant zero.
-        let m = n.max(1) as sys::sunindextype;
+        let context = Context::new()?;
         let mut session = Self {
-            context: ptr::null_mut(),
             memory: ptr::null_mut(),
-            y: ptr::null_mut(),
-            work: ptr::null_mut(),
-            atol: ptr::null_mut(),
-            matrix: ptr::null_mut(),
-            linear: ptr::null_mut(),
+            y: Vector::new(n, 0.0, &context)?,
+            work: Vector::new(n, 0.0, &context)?,
+            atol: Vector::new(n, 1.0, &context)?,
+            dense: None,
             nonlinear: ptr::null_mut(),
-            bridge: Box::new(Bridge {
-                n,
-                problem: None,
-                jacobian: Vec::new(),
-                panic: None,
-                bad: None,
-                t_last: 0.0,
-                rhs: 0,
-                projections: 0,
-            }),
+            bridge: Bridge::new(n),
             initialized: false,
             projects: false,
             bdf,
             rtol: options.rtol,
             max_order: options.max_order,
             stability_limit_detection: options.stability_limit_detection,
+            context,
         };
         let s = &mut session;
+        s.atol.as_mut_slice().copy_from_slice(&options.atol);
+        let formulas = if bdf { sys::CV_BDF } else { sys::CV_ADAMS };
         // SAFETY: plain constructors; every pointer is checked before it is used, and freed by Drop.
         unsafe {
-            check("making a context", sys::SUNContext_Create(sys::comm_no_mpi(), &mut s.context))?;
-            s.y = made("a vector", sys::N_VNew_Serial(m, s.context))?;
-            s.work = made("a vector", sys::N_VNew_Serial(m, s.context))?;
-            s.atol = made("a vector", sys::N_VNew_Serial(m, s.context))?;
-            let atol = std::slice::from_raw_parts_mut(sys::N_VGetArrayPointer(s.atol), m as usize);
-            atol.fill(1.0);
-            atol[..n].copy_from_slice(&options.atol);
-            sys::N_VConst(0.0, s.y);
-            let formulas = if bdf { sys::CV_BDF } else { sys::CV_ADAMS };
-            s.memory = made("the solver", sys::CVodeCreate(formulas as c_int, s.context))?;
-            silence(s.context, s.memory);
+            s.memory = made("making the solver", sys::CVodeCreate(formulas as c_int, s.context.raw()))?;
+            silence(s.memory);
             if bdf {
-                s.matrix = made("a matrix", sys::SUNDenseMatrix(m, m, s.context))?;
-                s.linear = made("a linear solver", sys::SUNLinSol_Dense(s.y, s.matrix, s.context))?;
+                s.dense = Some(DenseSolver::new(&s.y, &s.context)?);
             } else {
-                s.nonlinear = made("a fixed-point solver", sys::SUNNonlinSol_FixedPoint(s.y, 0, s.context))?;
+                let fixed_point = sys::SUNNonlinSol_FixedPoint(s.y.raw(), 0, s.context.raw());
+                s.nonlinear = made("making a fixed-point solver", fixed_point)?;
             }
         }
         Ok(session)
@@ -140,11 +95,11 @@ impl Session {
         h_first: Option<f64>,
         h_max: f64,
     ) -> Result<(), Failed> {
-        self.y_mut().copy_from_slice(y);
+        self.y.as_mut_slice().copy_from_slice(y);
         self.bridge.bad = None;
         if self.initialized {
             // SAFETY: both were made by `new`.
-            check("restarting", unsafe { sys::CVodeReInit(self.memory, t, self.y) })?;
+            check("restarting", unsafe { sys::CVodeReInit(self.memory, t, self.y.raw()) })?;
         } else {
             self.initialize(t)?;
             self.initialized = true;
@@ -173,11 +128,12 @@ impl Session {
         let bridge: *mut Bridge = &mut *self.bridge;
         // SAFETY: the solver and its parts were made by `new`; the bridge lives in its box as long.
         unsafe {
-            check("initializing", sys::CVodeInit(memory, Some(on_rhs), t, self.y))?;
+            check("initializing", sys::CVodeInit(memory, Some(on_rhs), t, self.y.raw()))?;
             check("setting user data", sys::CVodeSetUserData(memory, bridge.cast()))?;
-            check("setting tolerances", sys::CVodeSVtolerances(memory, self.rtol, self.atol))?;
-            if self.bdf {
-                check("attaching the linear solver", sys::CVodeSetLinearSolver(memory, self.linear, self.matrix))?;
+            check("setting tolerances", sys::CVodeSVtolerances(memory, self.rtol, self.atol.raw()))?;
+            if let Some(dense) = &self.dense {
+                let set = sys::CVodeSetLinearSolver(memory, dense.linear, dense.matrix);
+                check("attaching the linear solver", set)?;
                 let detect = c_int::from(self.stability_limit_detection);
                 check("setting stability_limit_detection", sys::CVodeSetStabLimDet(memory, detect))?;
             } else {
@@ -233,12 +189,9 @@ impl Session {
             self.bridge.problem =
                 Some(std::mem::transmute::<*mut dyn OdeProblem, *mut (dyn OdeProblem + 'static)>(problem));
             let one_step = sys::CV_ONE_STEP as c_int;
-            sys::CVode(self.memory, t_towards, self.y, &mut t, one_step)
+            sys::CVode(self.memory, t_towards, self.y.raw(), &mut t, one_step)
         };
-        self.bridge.problem = None;
-        if let Some(panic) = self.bridge.panic.take() {
-            resume_unwind(panic);
-        }
+        self.bridge.leave();
         check("stepping", code)?;
         if self.bridge.bad.is_some_and(|bad| bad.t <= t) {
             self.bridge.bad = None;
@@ -248,22 +201,14 @@ impl Session {
 
     /// The interpolant of the last step at `t`.
     pub(super) fn interpolate(&mut self, t: f64, y: &mut [f64]) -> Result<(), Failed> {
-        // SAFETY: `work` was made by `new` with at least `y.len()` components.
-        unsafe {
-            check("interpolating", sys::CVodeGetDky(self.memory, t, 0, self.work))?;
-            y.copy_from_slice(std::slice::from_raw_parts(sys::N_VGetArrayPointer(self.work), y.len()));
-        }
+        // SAFETY: call of an initialized solver with a vector of its length.
+        check("interpolating", unsafe { sys::CVodeGetDky(self.memory, t, 0, self.work.raw()) })?;
+        y.copy_from_slice(self.work.as_slice());
         Ok(())
     }
 
     pub(super) fn y(&self) -> &[f64] {
-        // SAFETY: a serial vector of at least `n` components, made by `new`.
-        unsafe { std::slice::from_raw_parts(sys::N_VGetArrayPointer(self.y), self.bridge.n) }
-    }
-
-    fn y_mut(&mut self) -> &mut [f64] {
-        // SAFETY: as in `y`.
-        unsafe { std::slice::from_raw_parts_mut(sys::N_VGetArrayPointer(self.y), self.bridge.n) }
+        self.y.as_slice()
     }
 
     pub(super) fn last_order(&self) -> u8 {
@@ -291,12 +236,9 @@ impl Session {
 
     /// Component with the largest error estimate relative to its tolerance.
     pub(super) fn worst_component(&mut self, atol: &[f64]) -> usize {
-        // SAFETY: both vectors have at least `n` components.
-        let error = unsafe {
-            sys::CVodeGetEstLocalErrors(self.memory, self.work);
-            std::slice::from_raw_parts(sys::N_VGetArrayPointer(self.work), self.bridge.n)
-        };
-        let y = self.y();
+        // SAFETY: call of an initialized solver with a vector of its length.
+        unsafe { sys::CVodeGetEstLocalErrors(self.memory, self.work.raw()) };
+        let (error, y) = (self.work.as_slice(), self.y());
         let relative = |i: usize| (error[i] / (atol[i] + self.rtol * y[i].abs())).abs();
         (0..y.len()).max_by(|&i, &j| relative(i).total_cmp(&relative(j))).unwrap_or(0)
     }
@@ -328,7 +270,7 @@ impl Session {
 
     /// Evaluations of the right-hand side and of the projection since this session was made.
     pub(super) fn evaluations(&self) -> (u64, u64) {
-        (self.bridge.rhs, self.bridge.projections)
+        (self.bridge.evaluations, self.bridge.projections)
     }
 
     /// The last evaluation that failed, if the steps have not gone past it.
@@ -344,70 +286,33 @@ impl Session {
 
 impl Drop for Session {
     fn drop(&mut self) {
-        // SAFETY: each pointer is either null or was made by `new`, and is freed once.
+        // SAFETY: each pointer is either null or was made by `new`, and is freed once, before the
+        // vectors, the matrix and the context.
         unsafe {
             if !self.memory.is_null() {
                 sys::CVodeFree(&mut self.memory);
             }
-            if !self.linear.is_null() {
-                sys::SUNLinSolFree(self.linear);
-            }
             if !self.nonlinear.is_null() {
                 sys::SUNNonlinSolFree(self.nonlinear);
-            }
-            if !self.matrix.is_null() {
-                sys::SUNMatDestroy(self.matrix);
-            }
-            for vector in [self.y, self.work, self.atol] {
-                if !vector.is_null() {
-                    sys::N_VDestroy(vector);
-                }
-            }
-            if !self.context.is_null() {
-                sys::SUNContext_Free(&mut self.context);
             }
         }
     }
 }
 
-/// Keeps the library from printing: versions 6 and 7 have different functions for it.
+/// Keeps version 6 of the library from printing; the context does so for version 7.
 ///
-/// The names that the bindings lack resolve to the stand-ins outside, as the glob import in the body
+/// A name that the bindings lack resolves to the stand-in outside, as the glob import in the body
 /// goes before what is in scope around it.
-fn silence(context: sys::SUNContext, memory: *mut c_void) {
+fn silence(memory: *mut c_void) {
     #[allow(unused_imports)]
     use sundials_sys::*;
-    type Handler = unsafe extern "C" fn(
-        c_int,
-        *const std::ffi::c_char,
-        *const std::ffi::c_char,
-        *mut std::ffi::c_char,
-        *mut c_void,
-    );
-    // SAFETY: both were just made; the handler touches none of its arguments.
-    unsafe {
-        SUNContext_ClearErrHandlers(context);
-        CVodeSetErrHandlerFn(memory, Some(on_message as Handler), ptr::null_mut::<c_void>());
-    }
-}
-
-#[allow(dead_code, non_snake_case)]
-unsafe fn SUNContext_ClearErrHandlers<C>(_: C) -> c_int {
-    0
+    // SAFETY: it was just made; the handler touches none of its arguments.
+    unsafe { CVodeSetErrHandlerFn(memory, Some(on_message as Handler), ptr::null_mut::<c_void>()) };
 }
 
 #[allow(dead_code, non_snake_case)]
 unsafe fn CVodeSetErrHandlerFn<M, H, D>(_: M, _: H, _: D) -> c_int {
     0
-}
-
-unsafe extern "C" fn on_message(
-    _code: c_int,
-    _module: *const std::ffi::c_char,
-    _function: *const std::ffi::c_char,
-    _message: *mut std::ffi::c_char,
-    _data: *mut c_void,
-) {
 }
 
 unsafe extern "C" fn on_rhs(t: f64, y: sys::N_Vector, dy: sys::N_Vector, data: *mut c_void) -> c_int {
@@ -416,10 +321,9 @@ unsafe extern "C" fn on_rhs(t: f64, y: sys::N_Vector, dy: sys::N_Vector, data: *
     unsafe {
         let bridge = &mut *data.cast::<Bridge>();
         let n = bridge.n;
-        let y = std::slice::from_raw_parts(sys::N_VGetArrayPointer(y), n);
-        let dy = std::slice::from_raw_parts_mut(sys::N_VGetArrayPointer(dy), n.max(1));
+        let (y, dy) = (slice(y, n), slice_mut(dy, n.max(1)));
         bridge.t_last = t;
-        bridge.rhs += 1;
+        bridge.evaluations += 1;
         if n == 0 {
             dy[0] = 0.0;
         }
@@ -445,21 +349,11 @@ unsafe extern "C" fn on_jacobian(
     // matrix, already set to zero.
     unsafe {
         let bridge = &mut *data.cast::<Bridge>();
-        let n = bridge.n;
-        let y = std::slice::from_raw_parts(sys::N_VGetArrayPointer(y), n);
+        let y = slice(y, bridge.n);
         bridge.call(Function::Jacobian, t, |problem, values| {
             problem.jacobian(t, y, values)?;
             let pattern = problem.pattern().ok_or(EvalFailure::Fatal)?;
-            let (ends, rows) = (pattern.col_ptr(), pattern.row_idx());
-            for j in 0..n {
-                let first = sys::SUNDenseMatrix_Column(jacobian, j as sys::sunindextype);
-                let column = std::slice::from_raw_parts_mut(first, n);
-                for e in ends[j]..ends[j + 1] {
-                    column[rows[e]] = values[e];
-                }
-            }
-            let bad = first_not_finite(values);
-            Ok(bad.map(|e| rows[e]))
+            Ok(scatter(pattern, values, jacobian))
         })
     }
 }
@@ -476,74 +370,13 @@ unsafe extern "C" fn on_projection(
     unsafe {
         let bridge = &mut *data.cast::<Bridge>();
         let n = bridge.n;
-        let y = std::slice::from_raw_parts(sys::N_VGetArrayPointer(y), n);
-        let correction = std::slice::from_raw_parts_mut(sys::N_VGetArrayPointer(correction), n);
+        let (y, correction) = (slice(y, n), slice_mut(correction, n));
         bridge.projections += 1;
         bridge.call(Function::Projection, t, |problem, _| {
             problem.project(t, y, correction)?;
             Ok(first_not_finite(correction))
         })
     }
-}
-
-impl Bridge {
-    /// Calls a function of the problem; returns what the library takes for success (0), for a
-    /// recoverable (1) and for a fatal failure (-1). `f` returns the first bad component.
-    ///
-    /// # Safety
-    /// The pointer to the problem must be valid, if there is one.
-    unsafe fn call(
-        &mut self,
-        function: Function,
-        t: f64,
-        f: impl FnOnce(&mut dyn OdeProblem, &mut [f64]) -> Result<Option<usize>, EvalFailure>,
-    ) -> c_int {
-        let Some(problem) = self.problem else {
-            return -1;
-        };
-        // SAFETY: by contract.
-        let problem = unsafe { &mut *problem };
-        let values = &mut self.jacobian;
-        let outcome = catch_unwind(AssertUnwindSafe(|| f(problem, values)));
-        let (component, code) = match outcome {
-            Ok(Ok(None)) => return 0,
-            Ok(Ok(bad)) => (bad, 1),
-            Ok(Err(EvalFailure::Recoverable)) => (None, 1),
-            Ok(Err(EvalFailure::Fatal)) => (None, -1),
-            Err(panic) => {
-                self.panic = Some(panic);
-                return -1;
-            }
-        };
-        self.bad = Some(BadEvaluation { function, t, component });
-        code
-    }
-}
-
-fn first_not_finite(values: &[f64]) -> Option<usize> {
-    let mut sum = 0.0;
-    for v in values {
-        sum += v * 0.0;
-    }
-    if sum == 0.0 {
-        return None;
-    }
-    values.iter().position(|v| !v.is_finite())
-}
-
-fn check(doing: &'static str, code: c_int) -> Result<(), Failed> {
-    if code < 0 {
-        return Err(Failed { doing, code });
-    }
-    Ok(())
-}
-
-fn made<T>(what: &'static str, pointer: *mut T) -> Result<*mut T, Failed> {
-    if pointer.is_null() {
-        let code = sys::CV_MEM_FAIL;
-        return Err(Failed { doing: what, code });
-    }
-    Ok(pointer)
 }
 
 fn c_long_from(on: bool) -> std::ffi::c_long {

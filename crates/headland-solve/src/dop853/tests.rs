@@ -88,7 +88,7 @@ fn equal_steps(steps: u32) -> ([f64; 3], [f64; 3]) {
     let mut options = Options::new(0.99, vec![1e6; 3]);
     options.h_first = Some(h);
     options.h_max = h;
-    let mut method = Driver::new(Dop853::new(3, &options), options);
+    let mut method = Driver::new(Dop853::new(3, &options), 3, &options);
     method.start(&mut Pendulum, 0.0, &[2.0, 0.0, 1.0]).unwrap();
     while !matches!(method.step(&mut Pendulum, 2.0).unwrap(), Step::End { .. }) {}
     assert_eq!(method.stats().steps, u64::from(steps));
@@ -115,7 +115,7 @@ fn steps_converge_with_order_8_and_dense_output_with_order_7() {
         let t = 2.0 - 0.37 * h;
         let mut options = Options::new(1e-14, vec![1e-15; 3]);
         options.h_max = 1.0 / 64.0;
-        let mut method = Driver::new(Dop853::new(3, &options), options);
+        let mut method = Driver::new(Dop853::new(3, &options), 3, &options);
         method.start(&mut Pendulum, 0.0, &[2.0, 0.0, 1.0]).unwrap();
         while !matches!(method.step(&mut Pendulum, t).unwrap(), Step::End { .. }) {}
         distance(&equal_steps(steps).1, &method.y().try_into().unwrap())
@@ -138,7 +138,7 @@ fn dense_output_is_exact_for_polynomials_of_degree_7() {
     }
     let mut options = Options::new(0.5, vec![1e6]);
     options.h_first = Some(1.0);
-    let mut method = Driver::new(Dop853::new(1, &options), options);
+    let mut method = Driver::new(Dop853::new(1, &options), 1, &options);
     method.start(&mut Power, 0.0, &[0.0]).unwrap();
     method.step(&mut Power, 1.0).unwrap();
     assert_eq!(method.stats().rhs, 13);
@@ -166,7 +166,7 @@ fn stiffness_is_seen_and_forgotten() {
         }
     }
     let options = Options::new(1e-5, vec![1e-5]);
-    let mut method = Driver::new(Dop853::new(1, &options), options);
+    let mut method = Driver::new(Dop853::new(1, &options), 1, &options);
     method.start(&mut Decay, 0.0, &[1.0]).unwrap();
     while !matches!(method.step(&mut Decay, 20.0).unwrap(), Step::End { .. }) {}
     assert!(method.looks_stiff());
@@ -190,7 +190,7 @@ fn compensation_keeps_the_sum_of_many_small_steps() {
     }
     let mut options = Options::new(1e-13, vec![1e-13]);
     options.h_max = 1.234e-4;
-    let mut method = Driver::new(Dop853::new(1, &options), options);
+    let mut method = Driver::new(Dop853::new(1, &options), 1, &options);
     method.start(&mut Constant, 0.0, &[1e3]).unwrap();
     while !matches!(method.step(&mut Constant, 1.0).unwrap(), Step::End { .. }) {}
     assert!(method.stats().steps > 8000);
