@@ -254,6 +254,9 @@ impl<'s, 'g> Builder<'s, 'g> {
         for entry in self.scene.section("parameters") {
             let Some((index, n)) = self.low.indexed.get(&entry.key).cloned() else { continue };
             let Some(length) = self.low.symbols.lengths.get(&entry.key).copied().filter(|l| *l > n) else { continue };
+            if self.low.symbols.by_name.values().any(|s| matches!(s, Symbol::Index(n) if *n == length)) {
+                continue; // as long as another index wants it: the last hitch of a train may go unused
+            }
             let message =
                 format!("`{}` has {length} members, but the index `{index}` has {n}; they must agree", entry.key);
             self.low.report(entry.value.place.clone(), message);

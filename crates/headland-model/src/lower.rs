@@ -309,7 +309,11 @@ impl<'g> Lowering<'g> {
                     && index.is_some_and(|i| i.items.len() == 1)
                     && let Some((variable, Symbol::Index(n))) = self.symbols.by_name.get_key_value(variable.as_str())
                 {
-                    self.indexed.insert(name.to_string(), (variable.clone(), *n));
+                    let (variable, n) = (variable.clone(), *n);
+                    let longest = self.indexed.entry(name.to_string()).or_insert((variable.clone(), n));
+                    if longest.1 < n {
+                        *longest = (variable, n);
+                    }
                 }
                 let (id, dimension, angle) = values[member.max(1) as usize - 1].clone();
                 Ok(Typed { expr: self.graph.expr(id), dimension, angle, condition: false })
