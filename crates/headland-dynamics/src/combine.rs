@@ -119,21 +119,9 @@ fn by_velocities<'g>(
     for c in &model.coordinates {
         seeds[model.input_index(c.q)] = Some(graph.expr(c.rate));
     }
-    let rate = raw_rates(model, |nodes| graph.tangent(nodes, |i| seeds[i]));
-    let mut of_joints = vec![None; graph.input_count()];
-    for row in &model.kinematics {
-        if let RowForm::Rate(i, node) = row.form
-            && model.coordinates[i].guess.is_some()
-        {
-            of_joints[model.input_index(model.coordinates[i].rate)] = Some(graph.expr(node));
-        }
-    }
-    let rate: Vec<NodeId> = graph.substitute(&rate, |i| of_joints[i]).into_iter().map(|e| graph.id(e)).collect();
-    let mut w = vec![vec![Expr::Const(0.0); columns.len()]; rate.len()];
+    let rate = raw_by_velocities(model);
     let inputs: Vec<NodeId> = columns.iter().map(|(_, input, _)| *input).collect();
-    for (e, j, entry) in graph.jacobian(&rate, &inputs) {
-        w[e][j] = entry;
-    }
+    let w = rows_by_velocities(model, &inputs);
     // d″ at v′ = 0: given for bodies whose axes turn, else the rate's derivative
     let mut at_rest = vec![false; graph.input_count()];
     for (_, rate) in velocity_inputs(model) {
@@ -157,4 +145,35 @@ fn by_velocities<'g>(
         second[e] = graph.id(Expr::Const(0.0));
     }
     (w, flow.substitute_rates(&second))
+}
+
+/// The structures' rates by q and velocities, the rates of joints' quaternions put in.
+fn raw_by_velocities(model: &Model) -> Vec<NodeId> {
+    let graph = &model.graph;
+    let mut seeds = vec![None; graph.input_count()];
+    seeds[model.input_index(model.time)] = Some(Expr::Const(1.0));
+    for c in &model.coordinates {
+        seeds[model.input_index(c.q)] = Some(graph.expr(c.rate));
+    }
+    let rate = raw_rates(model, |nodes| graph.tangent(nodes, |i| seeds[i]));
+    let mut of_joints = vec![None; graph.input_count()];
+    for row in &model.kinematics {
+        if let RowForm::Rate(i, node) = row.form
+            && model.coordinates[i].guess.is_some()
+        {
+            of_joints[model.input_index(model.coordinates[i].rate)] = Some(graph.expr(node));
+        }
+    }
+    graph.substitute(&rate, |i| of_joints[i]).into_iter().map(|e| graph.id(e)).collect()
+}
+
+/// `W′`: one row a structure, one column a velocity, given by its input.
+pub(crate) fn rows_by_velocities<'g>(model: &'g Model, inputs: &[NodeId]) -> Vec<Vec<Expr<'g>>> {
+    let graph = &model.graph;
+    let rate = raw_by_velocities(model);
+    let mut w = vec![vec![Expr::Const(0.0); inputs.len()]; rate.len()];
+    for (e, j, entry) in graph.jacobian(&rate, inputs) {
+        w[e][j] = entry;
+    }
+    w
 }

@@ -10,6 +10,7 @@ use crate::energy::{Energies, form_energies};
 use crate::error::DeriveError;
 use crate::initial::assemble;
 use crate::kinematics::{Kinematics, solve_kinematics, velocity_inputs};
+use crate::reactions::form_derived;
 use crate::sample::first_not_finite;
 use crate::scalar_inertia::check_scalar_inertia;
 use crate::solve::{packed, solve_crout, solve_ldl, unpack};
@@ -63,6 +64,8 @@ pub struct Equations {
     pub structure_matrix: Vec<Vec<NodeId>>,
     /// Energies and powers.
     pub energies: Energies,
+    /// Values of the model's derived quantities, by u′.
+    pub derived: Vec<NodeId>,
     /// Which solver of `M u′ = F`.
     pub linear_solver: LinearSolver,
     /// Which algorithm was kept, and why.
@@ -116,14 +119,16 @@ pub fn derive_at(model: &Model, inputs: &[f64], options: &DeriveOptions) -> Resu
             row.push(graph.id(e));
         }
     }
+    let energies = form_energies(model, &kinematics, &structures);
     Ok(Equations {
+        derived: form_derived(model, &kinematics, &structures, &energies),
         g,
         mass: ids(&chosen.form.m),
         force: ids(&chosen.form.f),
         accelerations,
         structure_rates: ids(&structures.rate),
         structure_matrix: structures.w.iter().map(|row| ids(row)).collect(),
-        energies: form_energies(model, &kinematics, &structures),
+        energies,
         linear_solver: solver,
         algorithm: chosen.algorithm,
         why: chosen.why,
@@ -274,6 +279,9 @@ impl Equations {
                 second = second + graph.expr(self.g[v][k]) * graph.expr(u.acceleration);
             }
             replaced[model.input_index(rate)] = Some(second);
+        }
+        for (quantity, value) in model.derived.iter().zip(&self.derived) {
+            replaced[model.input_index(quantity.input)] = Some(graph.expr(*value));
         }
         graph.substitute(nodes, |i| replaced[i]).into_iter().map(|e| graph.id(e)).collect()
     }

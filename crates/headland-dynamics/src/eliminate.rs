@@ -23,6 +23,40 @@ pub(crate) struct Row {
     gives: Option<usize>,
 }
 
+/// What elimination did: enough to solve the transposed system, `A_depᵀ λ = r`, for the multipliers.
+#[derive(Clone, Debug, Default)]
+pub struct Factors {
+    /// `row target ← row target − factor · row source`, in their order.
+    operations: Vec<(usize, usize, NodeId)>,
+    /// Pivots `(row, velocity)`, in their order.
+    pub(crate) pivots: Vec<(usize, usize)>,
+    /// Rows when they were used as pivots: `(velocity, entry)`.
+    rows: Vec<Vec<(usize, NodeId)>>,
+}
+
+impl Factors {
+    /// The multipliers λ of all rows from `r`, one entry a pivot: `A_dep = E⁻¹ U`, so `Uᵀ y = r`, `λ = Eᵀ y`.
+    pub(crate) fn solve_transposed<'g>(&self, model: &'g Model, r: &[Expr<'g>]) -> Vec<Expr<'g>> {
+        let graph = &model.graph;
+        let mut lambda = vec![Expr::Const(0.0); self.rows.len()];
+        let at =
+            |row: usize, column: usize| self.rows[row].iter().find(|(v, _)| *v == column).map(|(_, a)| graph.expr(*a));
+        for (k, &(row, column)) in self.pivots.iter().enumerate() {
+            let mut sum = r[k];
+            for &(earlier, _) in &self.pivots[..k] {
+                if let Some(entry) = at(earlier, column) {
+                    sum = sum - entry * lambda[earlier];
+                }
+            }
+            lambda[row] = sum / at(row, column).unwrap_or(Expr::Const(1.0));
+        }
+        for &(target, source, factor) in self.operations.iter().rev() {
+            lambda[source] = lambda[source] - graph.expr(factor) * lambda[target];
+        }
+        lambda
+    }
+}
+
 /// A pivot below this part of its row's first size counts as none.
 const SINGULAR: f64 = 1e-9;
 
@@ -112,6 +146,7 @@ pub(crate) fn eliminate(
     let choice = Choice::new(model, &mut rows, inputs, mass)?;
     let mut order: Vec<(usize, usize)> = Vec::new(); // (row, column)
     let mut open: Vec<usize> = (0..rows.len()).collect();
+    let mut operations = Vec::new();
     while !open.is_empty() {
         let Some((row, column)) = choice.pivot(model, &rows, &open) else {
             solved.redundant = choice.redundant(model, &rows, &open, inputs)?;
@@ -124,6 +159,7 @@ pub(crate) fn eliminate(
         for &r in &open {
             let Some(&(_, a, number)) = entry(&rows[r].entries, column) else { continue };
             let (factor, ratio) = (graph.expr(a) / pivot, number / value);
+            operations.push((r, row, graph.id(factor)));
             for &(j, a, x) in &pivot_row {
                 let (old, y) = entry(&rows[r].entries, j).map_or((Expr::Const(0.0), 0.0), |e| (graph.expr(e.1), e.2));
                 let new = if j == column { Expr::Const(0.0) } else { old - factor * graph.expr(a) };
@@ -137,7 +173,9 @@ pub(crate) fn eliminate(
         rows[row].entries = pivot_row;
     }
     substitute_back(model, &rows, &order, solved);
-    solved.dependent = order.into_iter().map(|(_, column)| column).collect();
+    solved.dependent = order.iter().map(|(_, column)| *column).collect();
+    let rows = rows.into_iter().map(|r| r.entries.into_iter().map(|(v, a, _)| (v, a)).collect()).collect();
+    solved.factors = Factors { operations, pivots: order, rows };
     Ok(())
 }
 

@@ -5,10 +5,12 @@
 //! parameter can make them vanish, then complete pivoting on columns scaled by `M^(-1/2)`, since m/s and rad/s do not
 //! compare.
 
+use std::sync::Arc;
+
 use headland_expr::{Expr, NodeId};
 use headland_model::{Model, RowForm};
 
-use crate::eliminate::{eliminate, linear_rows};
+use crate::eliminate::{Factors, eliminate, linear_rows};
 use crate::error::DeriveError;
 use crate::structures::Flow;
 
@@ -53,6 +55,8 @@ pub struct Kinematics {
     pub mass: Vec<f64>,
     /// Rows that follow from the others at the state of derivation and were left out, by position.
     pub redundant: Vec<usize>,
+    /// What elimination did.
+    pub factors: Arc<Factors>,
 }
 
 /// Input and rate of each velocity: those of the coordinates, then the named ones.
@@ -111,8 +115,8 @@ pub fn solve_kinematics(model: &Model, inputs: &[f64], mass: &[f64]) -> Result<K
     }
     let drift = drift(model, &velocities, &solved);
     let constraints = rates.len().saturating_sub(quasi.len());
-    let (dependent, redundant) = (solved.dependent, solved.redundant);
-    Ok(Kinematics { quasi, rates, velocities, drift, dependent, constraints, mass: mass.to_vec(), redundant })
+    let (dependent, redundant, factors) = (solved.dependent, solved.redundant, Arc::new(solved.factors));
+    Ok(Kinematics { quasi, rates, velocities, drift, dependent, constraints, mass: mass.to_vec(), redundant, factors })
 }
 
 /// What elimination finds.
@@ -122,6 +126,7 @@ pub(crate) struct Solved {
     pub(crate) drift: Vec<Option<NodeId>>,
     pub(crate) dependent: Vec<usize>,
     pub(crate) redundant: Vec<usize>,
+    pub(crate) factors: Factors,
 }
 
 /// The named quasi-velocities that are independent, then independent rates.

@@ -10,6 +10,7 @@ mod forces;
 mod joints;
 mod motion;
 mod quantities;
+mod reactions;
 mod rolling;
 mod tree;
 
@@ -18,7 +19,7 @@ use headland_spatial::{Pose, Symmetric, Vector};
 
 use crate::build::{Builder, Made};
 use crate::dimension::Dimension;
-use crate::model::{Body, VectorStructure};
+use crate::model::{Body, Reaction, VectorStructure};
 use crate::place::Place;
 use crate::scene::Element as SceneElement;
 use crate::symbols::{Binding, Members, Symbol};
@@ -69,6 +70,10 @@ pub(crate) struct Assembly<'s, 'g> {
     tree: Vec<(usize, bool)>,
     /// Joints that close loops.
     closing: Vec<usize>,
+    /// Joints whose force is asked for, with their virtual displacements.
+    virtuals: Vec<reactions::Virtual>,
+    /// Torques of joints that close loops.
+    closing_forces: Vec<(String, Reaction, bool)>,
 }
 
 const SECTIONS: [&str; 6] = ["body", "frame", "joint", "rolling", "skate", "spring"];

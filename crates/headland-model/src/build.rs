@@ -7,8 +7,8 @@ use crate::assembly::Assembly;
 use crate::depend::Kinds;
 use crate::lower::{Lowering, Reported, Typed};
 use crate::model::{
-    Body, Coordinate, Element, ElementKind, Event, Guard, KinematicRow, LinearSolver, Load, Model, Parameter, Plot,
-    Quantity, QuasiVelocity, RunSettings,
+    Body, Coordinate, DerivedQuantity, Element, ElementKind, Event, Guard, KinematicRow, LinearSolver, Load, Model,
+    Parameter, Plot, Quantity, QuasiVelocity, RunSettings,
 };
 use crate::place::{Diagnostic, ModelError, Place};
 use crate::scene::{Data, Scene, Value};
@@ -57,6 +57,7 @@ pub(crate) struct Parts {
     pub(crate) elements: Vec<Element>,
     pub(crate) bodies: Vec<Body>,
     pub(crate) loads: Vec<Load>,
+    pub(crate) derived: Vec<DerivedQuantity>,
     pub(crate) definitions: Vec<Quantity>,
     pub(crate) outputs: Vec<Quantity>,
     pub(crate) guards: Vec<Guard>,
@@ -87,6 +88,7 @@ impl Parts {
             elements: self.elements,
             bodies: self.bodies,
             loads: self.loads,
+            derived: self.derived,
             definitions: self.definitions,
             outputs: self.outputs,
             guards: self.guards,
@@ -138,6 +140,7 @@ impl<'s, 'g> Builder<'s, 'g> {
         ] {
             self.elements(section, kind, &power);
         }
+        self.publish_derived();
         self.initial();
         self.scales();
         self.prescribed();
@@ -150,6 +153,7 @@ impl<'s, 'g> Builder<'s, 'g> {
         self.run_settings();
         self.array_lengths();
         self.warn();
+        self.finish_reactions();
     }
 
     /// The parsed value of an entry.

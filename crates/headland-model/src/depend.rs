@@ -21,6 +21,8 @@ impl Kinds {
     pub const ACCELERATION: Self = Self(32);
     /// Velocities of joints.
     pub const JOINT: Self = Self(64);
+    /// Virtual displacements of joints and their rates, zero in the end.
+    pub const VIRTUAL: Self = Self(128);
 
     /// Any of both.
     pub const fn or(self, other: Self) -> Self {

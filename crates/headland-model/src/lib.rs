@@ -57,8 +57,9 @@ pub mod symbols;
 pub mod units;
 
 pub use model::{
-    Body, Coordinate, Direction, Element, ElementKind, Event, Guard, KinematicRow, LinearSolver, Load, Model,
-    Parameter, Plot, Quantity, QuasiVelocity, RowForm, RunSettings, StructureForm, VectorNodes, VectorStructure,
+    Body, Coordinate, Derived, DerivedQuantity, Direction, Element, ElementKind, Event, Guard, KinematicRow,
+    LinearSolver, Load, Model, Parameter, Plot, Quantity, QuasiVelocity, Reaction, RowForm, RunSettings, StructureForm,
+    VectorNodes, VectorStructure,
 };
 pub use place::{Diagnostic, ModelError, Place, Source};
 pub use scene::{Data, Entry, Scene, Value};

@@ -8,7 +8,7 @@ use crate::definitions::{Instance, State};
 use crate::depend::{Dependence, Kinds};
 use crate::dimension::{Dimension, Ratio, Unifier};
 use crate::functions::not;
-use crate::model::{Coordinate, QuasiVelocity};
+use crate::model::{Coordinate, Derived, DerivedQuantity, QuasiVelocity};
 use crate::place::{Diagnostic, Place};
 use crate::symbols::{Binding, Formula, Rule, Symbol, Symbols, member_name};
 use crate::units::parse_unit;
@@ -67,6 +67,10 @@ pub struct Lowering<'g> {
     pub indexed: BTreeMap<String, (Arc<str>, i64)>,
     /// Definitions made, in order.
     pub made: Vec<Made>,
+    /// What the equations can tell, by name, with its dimension; known when outputs are made.
+    pub(crate) derived_names: FxHashMap<String, (Derived, Dimension)>,
+    /// Those that were used.
+    pub(crate) derived: Vec<DerivedQuantity>,
     /// Motions of the frames, once they are known.
     pub(crate) frames: Vec<Option<Motion<'g>>>,
 }
@@ -114,6 +118,8 @@ impl<'g> Lowering<'g> {
             indexed: BTreeMap::new(),
             made: Vec::new(),
             frames: Vec::new(),
+            derived_names: FxHashMap::default(),
+            derived: Vec::new(),
         }
     }
 
@@ -256,6 +262,9 @@ impl<'g> Lowering<'g> {
                 return Ok(Typed { angle: true, ..Typed::number(std::f64::consts::PI, Dimension::NONE) });
             }
         }
+        if let Some(found) = self.derived_quantity(name, index, primes, bindings, &place) {
+            return found;
+        }
         if let Some(found) = self.frame_quantity(name, index, primes, bindings, &place) {
             return found;
         }
@@ -370,6 +379,45 @@ impl<'g> Lowering<'g> {
                 Err(self.report(place, message))
             }
         }
+    }
+
+    /// `contact.fz`, `hitch[2].tx`, `F_A1.power`: an input for what the equations can tell.
+    fn derived_quantity(
+        &mut self,
+        name: &str,
+        index: Option<&Program>,
+        primes: u8,
+        bindings: &[(Arc<str>, i64)],
+        place: &Place,
+    ) -> Option<Result<Typed<'g>, Reported>> {
+        let (_, part) = name.split_once('.')?;
+        let member = index.map_or(Ok(0), |i| self.symbols.index_value(i, bindings)).ok()?;
+        let full = member_name(name, member);
+        let Some((what, dimension)) = self.derived_names.get(&full).cloned() else {
+            let known = ["fx", "fy", "fz", "tx", "ty", "tz", "force", "power", "kinetic_energy", "potential_energy"];
+            if !known.contains(&part) || self.symbols.by_name.contains_key(name) {
+                return None;
+            }
+            let hint = suggestion(&full, self.derived_names.keys().map(String::as_str));
+            let message = if self.derived_names.is_empty() {
+                format!("`{full}` follows from the equations of motion; it can stand in outputs, guards and plots only")
+            } else {
+                format!("undefined name `{full}`{hint}")
+            };
+            return Some(Err(self.report(place.clone(), message)));
+        };
+        if primes > 0 {
+            return Some(Err(self.report(place.clone(), format!("`{full}` has no rate that is known"))));
+        }
+        let input = match self.derived.iter().find(|d| d.name == full) {
+            Some(known) => known.input,
+            None => {
+                let input = self.dependence.input(self.graph, &full, Kinds::ACCELERATION);
+                self.derived.push(DerivedQuantity { name: full, input, what });
+                input
+            }
+        };
+        Some(Ok(Typed { expr: self.graph.expr(input), ..Typed::number(0.0, dimension) }))
     }
 
     /// `bogie[2].x`: a part of the motion of a frame; `None` if the name is not of that kind.

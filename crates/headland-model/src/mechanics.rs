@@ -137,7 +137,9 @@ impl<'g> Builder<'_, 'g> {
             let zero = Typed { expr: a.expr - b.expr, ..a };
             let name = bound_name(&name, &binding);
             self.no_accelerations(&zero, place, &format!("the constraint `{name}`"))?;
-            let row = self.constraint_row(&name, zero.expr, place)?;
+            let mut row = self.constraint_row(&name, zero.expr, place)?;
+            let velocity = per_time(&zero.dimension, u8::from(row.position.is_some()));
+            row.force = Some((format!("{name}.force"), &Dimension::of(1, 2, -3) - &velocity));
             self.parts.kinematics.push(row);
         }
         Ok(())

@@ -2,6 +2,7 @@
 
 use headland_expr::{Graph, NodeId};
 
+use crate::dimension::Dimension;
 use crate::place::{Diagnostic, Place, Source};
 
 /// A number that can change between runs without a new derivation.
@@ -80,13 +81,15 @@ pub struct KinematicRow {
     pub rate: Option<NodeId>,
     /// True where it may follow from other rows without harm: rows of joints and of rolling.
     pub may_be_redundant: bool,
+    /// Name and dimension of the force with which it is enforced.
+    pub force: Option<(String, Dimension)>,
 }
 
 impl KinematicRow {
     /// A row of form (2), or a velocity constraint.
     pub fn new(name: impl Into<String>, place: &Place, form: RowForm) -> Self {
         let (name, place) = (name.into(), place.clone());
-        Self { name, place, form, position: None, rate: None, may_be_redundant: false }
+        Self { name, place, form, position: None, rate: None, may_be_redundant: false, force: None }
     }
 }
 
@@ -191,6 +194,41 @@ pub struct Load {
     pub potential: Option<NodeId>,
     /// Where it was written.
     pub place: Place,
+}
+
+/// A quantity that follows from the equations of motion; expressions of outputs use it as an input.
+#[derive(Clone, Debug)]
+pub struct DerivedQuantity {
+    /// Name with index.
+    pub name: String,
+    /// Its input.
+    pub input: NodeId,
+    /// What it is.
+    pub what: Derived,
+}
+
+/// What the equations leave out but can tell.
+#[derive(Clone, Debug)]
+pub enum Derived {
+    /// The force of a constraint: the multiplier of a row of the kinematics.
+    Multiplier(usize),
+    /// Kinetic energy of everything.
+    Kinetic,
+    /// Energy of elastic elements and weights.
+    Potential,
+    /// Power of a force element or damper.
+    Power(String),
+    /// A component of the force or torque in a joint.
+    Reaction(Reaction),
+}
+
+/// What a velocity that a joint forbids would move: the joint's force along it is the sum of what that takes.
+#[derive(Clone, Debug, Default)]
+pub struct Reaction {
+    /// Structures by row (scalar elements, six a body, three a load) and their part of that velocity.
+    pub rows: Vec<(usize, NodeId)>,
+    /// Constraints by row of the kinematics and their part of it.
+    pub constraints: Vec<(usize, NodeId)>,
 }
 
 /// An expression with a name and a unit.
@@ -320,6 +358,8 @@ pub struct Model {
     pub bodies: Vec<Body>,
     /// Forces at points and torques as force elements.
     pub loads: Vec<Load>,
+    /// Reactions, energies and powers that outputs use.
+    pub derived: Vec<DerivedQuantity>,
     /// Definitions that something uses, in order of use.
     pub definitions: Vec<Quantity>,
     /// Columns.

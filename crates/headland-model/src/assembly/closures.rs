@@ -15,8 +15,9 @@ use headland_spatial::{Pose, Rotation, Vector};
 use super::motion::Motion;
 use super::number;
 use crate::build::{Builder, Made};
+use crate::dimension::Dimension;
 use crate::lower::Reported;
-use crate::model::{KinematicRow, RowForm};
+use crate::model::{KinematicRow, Reaction, RowForm};
 use crate::place::Place;
 
 /// A function of the motion with its first two rates.
@@ -39,19 +40,42 @@ impl<'g> Builder<'_, 'g> {
             ends.push(motion.fixed(&(pose * align)));
         }
         let relative = Relative::new(&ends[0], &ends[1]);
+        let mut forces = Vec::new(); // row, and force and torque on `to` for a unit of its multiplier, axes of B
+        let zero = Vector::constant([0.0; 3]);
+        let axes = ["x", "y", "z"];
         for &i in kind.fixed_positions() {
-            self.hold(&format!("{name}.{}", ["x", "y", "z"][i]), relative.distance(i), &place);
+            if let Some(row) = self.hold(&format!("{name}.{}", axes[i]), relative.distance(i), &place) {
+                forces.push((row, Vector(relative.r.0[i]), zero));
+            }
         }
         for &(i, k) in kind.fixed_rotations() {
-            self.hold(&format!("{name}.{}{}", ["x", "y", "z"][i], ["x", "y", "z"][k]), relative.rotation(i, k), &place);
+            if let Some(row) = self.hold(&format!("{name}.{}{}", axes[i], axes[k]), relative.rotation(i, k), &place) {
+                forces.push((row, zero, Vector([0, 1, 2].map(|m| relative.turned(i, k, m)))));
+            }
+        }
+        for (m, (component, torque)) in super::reactions::COMPONENTS.into_iter().enumerate() {
+            let part = |(row, force, moment): &(usize, Vector<Expr<'g>>, Vector<Expr<'g>>)| {
+                let vector = align.rotation.apply(if torque { *moment } else { *force });
+                (*row, self.low.graph.id(-vector[m % 3]))
+            };
+            let constraints = forces.iter().map(part).collect();
+            let reaction = Reaction { rows: Vec::new(), constraints };
+            self.assembly.closing_forces.push((format!("{name}.{component}"), reaction, torque));
         }
         Ok(())
     }
 
-    /// A constraint on positions, `row = 0`, with its rates.
-    pub(super) fn hold(&mut self, name: &str, row: Row<'g>, place: &Place) {
+    /// Names the force of the row that was made last.
+    pub(super) fn name_force(&mut self, name: String, dimension: Dimension) {
+        if let Some(row) = self.parts.kinematics.last_mut() {
+            row.force = Some((name, dimension));
+        }
+    }
+
+    /// A constraint on positions, `row = 0`, with its rates; gives its place among the rows.
+    pub(super) fn hold(&mut self, name: &str, row: Row<'g>, place: &Place) -> Option<usize> {
         if row.iter().all(|e| e.is(0.0)) {
-            return; // fulfilled whatever the motion
+            return None; // fulfilled whatever the motion
         }
         let graph = self.low.graph;
         let [position, rate, second] = row.map(|e| graph.id(e));
@@ -59,6 +83,7 @@ impl<'g> Builder<'_, 'g> {
         let row = KinematicRow::new(name, place, form);
         let row = KinematicRow { position: Some(position), rate: Some(second), may_be_redundant: true, ..row };
         self.parts.kinematics.push(row);
+        Some(self.parts.kinematics.len() - 1)
     }
 }
 
@@ -120,6 +145,12 @@ impl<'g> Relative<'g> {
     /// A component of `d`.
     pub(super) fn distance(&self, i: usize) -> Row<'g> {
         [self.d[i], self.d_rate[i], self.d_second[i]]
+    }
+
+    /// By how much the entry `e_i · R e_k` grows with a turn of B about its axis m.
+    fn turned(&self, i: usize, k: usize, m: usize) -> Expr<'g> {
+        let unit = |n: usize| Vector::constant([0, 1, 2].map(|c| f64::from(u8::from(c == n))));
+        Vector(self.r.0[i]).dot(unit(m).cross(unit(k)))
     }
 
     /// The entry `e_i · R e_k`.

@@ -58,10 +58,12 @@ impl<'g> Builder<'_, 'g> {
             let contact = relative.contact(&form);
             let rows = relative.slip(&contact);
             for i in 0..2 {
-                self.bind_velocity(&format!("{full}.{}", ["x", "y"][i]), rows[i], element);
+                let axis = ["x", "y"][i];
+                self.bind_velocity(&format!("{full}.{axis}"), rows[i], &format!("{full}.f{axis}"), element);
             }
             let [height, ..] = relative.distance(2);
             self.hold(&format!("{full}.z"), [height - contact.height, rows[2][0], rows[2][1]], &element.place);
+            self.name_force(format!("{full}.fz"), Dimension::of(1, 1, -2));
         }
         Ok(())
     }
@@ -85,7 +87,7 @@ impl<'g> Builder<'_, 'g> {
     }
 
     /// A velocity that must be zero, with its rate.
-    fn bind_velocity(&mut self, name: &str, [velocity, rate]: [Expr<'g>; 2], element: &SceneElement) {
+    fn bind_velocity(&mut self, name: &str, [velocity, rate]: [Expr<'g>; 2], force: &str, element: &SceneElement) {
         if velocity.is(0.0) {
             return;
         }
@@ -93,6 +95,7 @@ impl<'g> Builder<'_, 'g> {
         let row = KinematicRow::new(name, &element.place, RowForm::Zero(graph.id(velocity)));
         let row = KinematicRow { rate: Some(graph.id(rate)), may_be_redundant: true, ..row };
         self.parts.kinematics.push(row);
+        self.name_force(force.into(), Dimension::of(1, 1, -2));
     }
 
     /// A point of a body that has no velocity along a direction of the body.
@@ -106,7 +109,7 @@ impl<'g> Builder<'_, 'g> {
             let Some(motion) = self.motion(frame) else { return Err(Reported) };
             let m = motion.fixed(&pose);
             let rate = (m.acceleration - m.spin.cross(m.velocity)).dot(side);
-            self.bind_velocity(&full, [m.velocity.dot(side), rate], element);
+            self.bind_velocity(&full, [m.velocity.dot(side), rate], &format!("{full}.force"), element);
         }
         Ok(())
     }

@@ -230,6 +230,7 @@ impl<'s, 'g> Builder<'s, 'g> {
         let (near, near_pose) = self.joint_frame(j, reversed)?;
         let (far, far_pose) = self.joint_frame(j, !reversed)?;
         let mut steps = self.steps(j)?;
+        steps.extend(self.virtual_steps(j));
         if reversed {
             steps = steps.into_iter().rev().map(Step::reversed).collect();
         }
