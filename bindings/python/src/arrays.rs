@@ -1,0 +1,101 @@
+//! States from NumPy: one, or many with the points along the first axis.
+
+use numpy::{AllowTypeChange, IxDyn, PyArrayLikeDyn, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+/// Times and states `y = [q, u]`, row by row.
+pub(crate) struct States {
+    pub(crate) t: Vec<f64>,
+    pub(crate) y: Vec<f64>,
+    /// Whether there is an axis of points; without it there is one state.
+    pub(crate) many: bool,
+}
+
+/// Joins `t`, `q`, `u`; what has no axis of points goes with every point.
+pub(crate) fn states(t: &Bound<'_, PyAny>, q: &Argument<'_>, u: &Argument<'_>) -> PyResult<States> {
+    if let (Ok(t), 1, 1) = (t.extract::<f64>(), q.dimensions(), u.dimensions()) {
+        let mut y = Vec::with_capacity(q.length + u.length);
+        q.append_row(0, &mut y);
+        u.append_row(0, &mut y);
+        return Ok(States { t: vec![t], y, many: false });
+    }
+    let times = Argument::times(t)?;
+    let counts = [("t", times.points), ("q", q.points), ("u", u.points)];
+    let given: Vec<(&str, usize)> = counts.iter().filter_map(|(name, n)| n.map(|n| (*name, n))).collect();
+    let points = given.first().map_or(1, |(_, n)| *n);
+    if let Some((name, n)) = given.iter().find(|(_, n)| *n != points) {
+        let message = format!("`{}` has {points} points but `{name}` has {n}", given[0].0);
+        return Err(PyValueError::new_err(message));
+    }
+    let (mut all_t, mut y) = (Vec::with_capacity(points), Vec::with_capacity(points * (q.length + u.length)));
+    for p in 0..points {
+        times.append_row(p, &mut all_t);
+        q.append_row(p, &mut y);
+        u.append_row(p, &mut y);
+    }
+    Ok(States { t: all_t, y, many: !given.is_empty() })
+}
+
+/// An array argument: a vector of known length, or one at each point.
+pub(crate) struct Argument<'py> {
+    array: PyReadonlyArrayDyn<'py, f64>,
+    length: usize,
+    points: Option<usize>,
+}
+
+impl<'py> Argument<'py> {
+    /// A vector of so many entries, or many of them.
+    pub(crate) fn vector(name: &str, value: &Bound<'py, PyAny>, names: &[String]) -> PyResult<Self> {
+        let array = Self::read(name, value)?;
+        let points = match array.shape() {
+            [n] if *n == names.len() => None,
+            [points, n] if *n == names.len() => Some(*points),
+            shape => {
+                let wanted = names.len();
+                return Err(PyValueError::new_err(format!(
+                    "`{name}` has the shape {shape:?}; expected [{wanted}], or [points, {wanted}]: {}",
+                    names.join(", ")
+                )));
+            }
+        };
+        Ok(Self { array, length: names.len(), points })
+    }
+
+    /// One time or one for each point.
+    fn times(value: &Bound<'py, PyAny>) -> PyResult<Self> {
+        let array = Self::read("t", value)?;
+        let points = match array.shape() {
+            [] => None,
+            [points] => Some(*points),
+            shape => {
+                return Err(PyValueError::new_err(format!(
+                    "`t` has the shape {shape:?}; expected a number or [points]"
+                )));
+            }
+        };
+        Ok(Self { array, length: 1, points })
+    }
+
+    fn read(name: &str, value: &Bound<'py, PyAny>) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
+        let array: PyArrayLikeDyn<'py, f64, AllowTypeChange> = value.extract().map_err(|e: PyErr| {
+            PyValueError::new_err(format!("`{name}` cannot be read as an array of numbers: {e}"))
+        })?;
+        Ok((*array).clone())
+    }
+
+    fn dimensions(&self) -> usize {
+        self.array.ndim()
+    }
+
+    fn append_row(&self, point: usize, out: &mut Vec<f64>) {
+        let view = self.array.as_array();
+        match (view.as_slice(), self.points) {
+            (Some(all), None) => out.extend_from_slice(all),
+            (Some(all), Some(_)) => out.extend_from_slice(&all[point * self.length..(point + 1) * self.length]),
+            (None, None) => out.extend(view.iter()),
+            (None, Some(_)) if view.ndim() == 1 => out.push(view[IxDyn(&[point])]),
+            (None, Some(_)) => out.extend((0..self.length).map(|i| view[IxDyn(&[point, i])])),
+        }
+    }
+}
