@@ -1,6 +1,8 @@
 //! States from NumPy: one, or many with the points along the first axis.
 
-use numpy::{AllowTypeChange, IxDyn, PyArrayLikeDyn, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use std::borrow::Cow;
+
+use numpy::{AllowTypeChange, PyArrayLikeDyn, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -14,13 +16,12 @@ pub(crate) struct States {
 
 /// Joins `t`, `q`, `u`; what has no axis of points goes with every point.
 pub(crate) fn states(t: &Bound<'_, PyAny>, q: &Argument<'_>, u: &Argument<'_>) -> PyResult<States> {
-    if let (Ok(t), 1, 1) = (t.extract::<f64>(), q.dimensions(), u.dimensions()) {
-        let mut y = Vec::with_capacity(q.length + u.length);
-        q.append_row(0, &mut y);
-        u.append_row(0, &mut y);
-        return Ok(States { t: vec![t], y, many: false });
+    let (q, u) = (q.rows(), u.rows());
+    if let (Ok(t), None, None) = (t.extract::<f64>(), q.points, u.points) {
+        return Ok(States { t: vec![t], y: [q.row(0), u.row(0)].concat(), many: false });
     }
     let times = Argument::times(t)?;
+    let times = times.rows();
     let counts = [("t", times.points), ("q", q.points), ("u", u.points)];
     let given: Vec<(&str, usize)> = counts.iter().filter_map(|(name, n)| n.map(|n| (*name, n))).collect();
     let points = given.first().map_or(1, |(_, n)| *n);
@@ -30,11 +31,27 @@ pub(crate) fn states(t: &Bound<'_, PyAny>, q: &Argument<'_>, u: &Argument<'_>) -
     }
     let (mut all_t, mut y) = (Vec::with_capacity(points), Vec::with_capacity(points * (q.length + u.length)));
     for p in 0..points {
-        times.append_row(p, &mut all_t);
-        q.append_row(p, &mut y);
-        u.append_row(p, &mut y);
+        all_t.extend_from_slice(times.row(p));
+        y.extend_from_slice(q.row(p));
+        y.extend_from_slice(u.row(p));
     }
     Ok(States { t: all_t, y, many: !given.is_empty() })
+}
+
+/// The entries of an argument, row by row.
+struct Rows<'a> {
+    values: Cow<'a, [f64]>,
+    length: usize,
+    points: Option<usize>,
+}
+
+impl Rows<'_> {
+    fn row(&self, point: usize) -> &[f64] {
+        match self.points {
+            None => &self.values,
+            Some(_) => &self.values[point * self.length..(point + 1) * self.length],
+        }
+    }
 }
 
 /// An array argument: a vector of known length, or one at each point.
@@ -84,18 +101,13 @@ impl<'py> Argument<'py> {
         Ok((*array).clone())
     }
 
-    fn dimensions(&self) -> usize {
-        self.array.ndim()
-    }
-
-    fn append_row(&self, point: usize, out: &mut Vec<f64>) {
+    /// In the order of rows, whatever the order in memory.
+    fn rows(&self) -> Rows<'_> {
         let view = self.array.as_array();
-        match (view.as_slice(), self.points) {
-            (Some(all), None) => out.extend_from_slice(all),
-            (Some(all), Some(_)) => out.extend_from_slice(&all[point * self.length..(point + 1) * self.length]),
-            (None, None) => out.extend(view.iter()),
-            (None, Some(_)) if view.ndim() == 1 => out.push(view[IxDyn(&[point])]),
-            (None, Some(_)) => out.extend((0..self.length).map(|i| view[IxDyn(&[point, i])])),
-        }
+        let values = match view.to_slice() {
+            Some(all) => Cow::Borrowed(all),
+            None => Cow::Owned(view.iter().copied().collect()),
+        };
+        Rows { values, length: self.length, points: self.points }
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use headland_code::{Evaluator, Function, Jacobian, TapeEvaluator, TapeFunction};
-use headland_dynamics::solve::{solve_crout, solve_ldl, unpack};
+use headland_dynamics::solve::{packed, solve_crout, solve_ldl, unpack};
 use headland_dynamics::{DeriveError, Equations};
 use headland_expr::{Graph, NodeId};
 use headland_model::{LinearSolver, Model};
@@ -244,7 +244,7 @@ impl StateEvaluator {
         if points == 1 {
             let mut raw = std::mem::take(&mut self.raw);
             point(&mut self.evaluators, &functions, what, &self.x, &mut raw);
-            self.finish(what, &raw, out);
+            self.finish(&functions, what, &raw, out);
             self.raw = raw;
             return;
         }
@@ -256,19 +256,24 @@ impl StateEvaluator {
         for p in 0..points {
             raw.clear();
             raw.extend(values.iter().map(|row| row[p]));
-            self.finish(what, &raw, &mut out[size * p..size * (p + 1)]);
+            self.finish(&functions, what, &raw, &mut out[size * p..size * (p + 1)]);
         }
         self.raw = raw;
         self.evaluators[what as usize] = Some(evaluator);
     }
 
     /// The value of a function at one point, from what was compiled of it.
-    fn finish(&mut self, what: StateFunction, raw: &[f64], out: &mut [f64]) {
-        let functions = self.functions.0.clone();
+    fn finish(&mut self, functions: &Compiled, what: StateFunction, raw: &[f64], out: &mut [f64]) {
         let (nu, n) = (functions.nu, functions.nq + functions.nu);
         let triangle = nu * (nu + 1) / 2;
         match what {
-            StateFunction::Mass => out.copy_from_slice(&unpack(raw, nu)),
+            StateFunction::Mass => {
+                for i in 0..nu {
+                    for j in 0..nu {
+                        out[nu * i + j] = raw[packed(i.max(j), i.min(j))];
+                    }
+                }
+            }
             StateFunction::Accelerations if !functions.unrolled => {
                 out.copy_from_slice(&raw[triangle..]);
                 match functions.linear_solver {
