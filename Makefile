@@ -53,18 +53,17 @@ bench: deps ## benchmarks of the compiled functions and the integrators
 
 # Debian's python3 comes without ensurepip, which makes an environment's pip.
 python: MORE = $(shell $(PYTHON) -c "import ensurepip, venv" > /dev/null 2>&1 || echo python3-venv)
-python: deps ## the package for Python: built into an environment of its own, tested
+python: deps ## the package for Python: built, installed into an environment of its own, tested
 	@[ -x $(VENV)/bin/pip ] || $(PYTHON) -m venv $(VENV)
 	@$(VENV)/bin/pip install --quiet 'maturin>=1.9,<2' 'numpy>=1.22' 'pytest>=7' || { \
 	    echo "make: pip could not install maturin, numpy and pytest; what it says is above" >&2; \
 	    echo "no package index in reach? set PIP_INDEX_URL to a mirror, or PIP_FIND_LINKS to a folder of wheels" >&2; \
 	    exit 1; }
-	$(CARGO) fmt --manifest-path $(BINDINGS)/Cargo.toml --check
 	PYO3_PYTHON=$(VENV)/bin/python $(CARGO) clippy --locked --release --manifest-path $(BINDINGS)/Cargo.toml \
-	    --target-dir $(TARGET) $(FEATURES) -- -D warnings
+	    --target-dir $(abspath $(TARGET)) $(FEATURES) -- -D warnings
 	rm -rf $(VENV)/wheels
 	$(VENV)/bin/maturin build --locked --release --auditwheel skip --manifest-path $(BINDINGS)/Cargo.toml \
-	    --target-dir $(TARGET) --interpreter $(VENV)/bin/python --out $(VENV)/wheels $(FEATURES)
+	    --target-dir $(abspath $(TARGET)) --interpreter $(VENV)/bin/python --out $(VENV)/wheels $(FEATURES)
 	$(VENV)/bin/pip install --quiet --no-deps --no-index --force-reinstall $(VENV)/wheels/headland-*.whl
 	$(VENV)/bin/pytest -q $(BINDINGS)
 	@echo "import headland:  $(VENV)/bin/python"
@@ -92,6 +91,7 @@ build: deps
 
 lint:
 	$(CARGO) fmt --all --check
+	$(CARGO) fmt --manifest-path $(BINDINGS)/Cargo.toml --check
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
 	$(CARGO) clippy --locked -p headland-cli --no-default-features -- -D warnings
 

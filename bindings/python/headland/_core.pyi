@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from ._errors import Diagnostic
 from ._result import Names, Result, State
 
+__all__ = ["Equations", "Model", "Scene", "__version__", "methods"]
+
 __version__: str
 methods: list[str]
 """Names of the integrators in this build."""
@@ -36,9 +38,9 @@ class Scene:
         `l[2]` is a member of an array, `run.until` an entry of a section, `pull.value` the key of an element.
         A bare number keeps the unit that the value had. Raises `SceneError` if there is no such name.
         """
-    def __setitem__(self, name: str, value: _Value) -> None:
+    def __setitem__(self, name: str, value: _Value, /) -> None:
         """`scene["v0"] = "18 m/s"`: as `set`."""
-    def __getitem__(self, name: str) -> Any:
+    def __getitem__(self, name: str, /) -> Any:
         """The value as it is written now: a number, a text, a list. Raises `KeyError`."""
     def build(self) -> Model:
         """Make a model: names, units, families, dimensions are checked, all errors told in one `SceneError`."""

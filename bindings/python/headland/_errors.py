@@ -70,9 +70,10 @@ class Interrupted(KeyboardInterrupt):
     result: Result
     """What was computed until then; its status is `stopped`."""
 
-    def __init__(self, message: str, result: Result) -> None:
+    def __init__(self, message: str, result: Result | None = None) -> None:
         super().__init__(message)
-        self.result = result
+        if result is not None:  # as always but where a process unpickles it: then it follows
+            self.result = result
 
 
 class RunWarning(UserWarning):

@@ -2,6 +2,7 @@
 
 import json
 import os
+import pickle
 import re
 import signal
 import subprocess
@@ -200,6 +201,23 @@ def test_warnings_can_be_silenced_or_raised():
         warnings.simplefilter("error", headland.RunWarning)
         with pytest.raises(headland.RunWarning):
             model.run(until=2)
+
+
+def test_results_and_errors_go_to_other_processes(train):
+    result = train.build().run(until=1, points=4)
+    again = pickle.loads(pickle.dumps(result))
+    np.testing.assert_array_equal(again.data, result.data)
+    assert again.columns == result.columns and again.summary == result.summary
+    place = headland.Diagnostic("a.toml", 3, 4, "no")
+    for error in (
+        headland.SceneError("no", [place]),
+        headland.DeriveError("no", place),
+        headland.RunError("no", result),
+        headland.Interrupted("no", result),
+    ):
+        other = pickle.loads(pickle.dumps(error))
+        assert type(other) is type(error) and str(other) == "no"
+        assert vars(other).keys() == vars(error).keys()
 
 
 def test_to_pandas(train):
