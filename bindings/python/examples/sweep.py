@@ -1,9 +1,9 @@
-"""How fast may the train enter the bend? Runs side by side in threads, a table of the largest angle between bogies.
+"""How sharply may the train be steered? Runs side by side in threads; the largest angles at the
+hinges, and the speed that is left.
 
-    python sweep.py [SCENE]
+    python sweep.py
 """
 
-import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -11,24 +11,23 @@ import numpy as np
 
 import headland
 
-MODELS = Path(__file__).resolve().parents[3] / "models"
+SCENE = Path(__file__).resolve().parents[3] / "models" / "paper_train.toml"
 
 
-def largest_angle(path, speed):
-    scene = headland.Scene.load(path)
-    scene["v0"] = scene["v_ref"] = speed
+def steer(degrees):
+    scene = headland.Scene.load(SCENE)
+    scene["gamma"] = f"{degrees}[deg]/2*(1 + tanh((t - 3)/1.0))"
     result = scene.build().run(until=20, points=400)
-    return np.degrees(max(np.abs(result[f"psi[{k}]"]).max() for k in (2, 3))), result.summary["energy_balance"]
+    angle = np.degrees([np.abs(result[f"psi[{k}]"]).max() for k in (1, 2, 3)])
+    return angle, result["v"][-1], result.summary["energy_balance"]
 
 
 def main():
-    path = sys.argv[1] if len(sys.argv) > 1 else MODELS / "paper_train.toml"
-    speeds = np.arange(6.0, 25.0, 3.0)
+    amplitudes = [0.5, 1.0, 2.0, 4.0, 8.0, 12.0]
     with ThreadPoolExecutor() as pool:
-        rows = pool.map(lambda v: largest_angle(path, v), speeds)
-        print("v [m/s]  angle [deg]  energy balance")
-        for v, (angle, balance) in zip(speeds, rows):
-            print(f"{v:7.1f}  {angle:11.4f}  {balance:14.1e}")
+        print("steered [deg]  psi_1  psi_2  psi_3 [deg]  v [m/s]  energy balance")
+        for degrees, (angle, speed, balance) in zip(amplitudes, pool.map(steer, amplitudes)):
+            print(f"{degrees:13.1f}  {angle[0]:5.2f}  {angle[1]:5.2f}  {angle[2]:5.2f}        {speed:7.3f}  {balance:14.1e}")
 
 
 if __name__ == "__main__":

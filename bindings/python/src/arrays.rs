@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use numpy::{AllowTypeChange, PyArrayLikeDyn, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::{PyFloat, PyInt};
 
 /// Times and states `y = [q, u]`, row by row.
 pub(crate) struct States {
@@ -17,7 +18,7 @@ pub(crate) struct States {
 /// Joins `t`, `q`, `u`; what has no axis of points goes with every point.
 pub(crate) fn states(t: &Bound<'_, PyAny>, q: &Argument<'_>, u: &Argument<'_>) -> PyResult<States> {
     let (q, u) = (q.rows(), u.rows());
-    if let (Ok(t), None, None) = (t.extract::<f64>(), q.points, u.points) {
+    if let (Some(t), None, None) = (number(t), q.points, u.points) {
         return Ok(States { t: vec![t], y: [q.row(0), u.row(0)].concat(), many: false });
     }
     let times = Argument::times(t)?;
@@ -36,6 +37,12 @@ pub(crate) fn states(t: &Bound<'_, PyAny>, q: &Argument<'_>, u: &Argument<'_>) -
         y.extend_from_slice(u.row(p));
     }
     Ok(States { t: all_t, y, many: !given.is_empty() })
+}
+
+/// A plain number; an array of one entry is none.
+pub(crate) fn number(x: &Bound<'_, PyAny>) -> Option<f64> {
+    let plain = x.is_instance_of::<PyFloat>() || x.is_instance_of::<PyInt>();
+    plain.then(|| x.extract().ok()).flatten()
 }
 
 /// The entries of an argument, row by row.

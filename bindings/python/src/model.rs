@@ -9,6 +9,7 @@ use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::arrays::number;
 use crate::equations::Equations;
 use crate::errors::{diagnostic, interrupted, result_class, run_error, start_error, warning_class};
 use crate::interrupt::Signals;
@@ -33,7 +34,9 @@ impl Model {
 #[pymethods]
 impl Model {
     /// Derive, compile, integrate.
-    #[pyo3(signature = (*, until = None, tolerance = None, at = None, method = None, points = None, max_step = None, balance = true))]
+    #[pyo3(signature = (
+        *, until = None, tolerance = None, at = None, method = None, points = None, max_step = None, balance = true
+    ))]
     fn run<'py>(
         &self,
         py: Python<'py>,
@@ -144,9 +147,9 @@ impl Model {
 
 /// One time or a sequence of times.
 fn times(at: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
-    let times: Vec<f64> = match at.extract::<f64>() {
-        Ok(t) => vec![t],
-        Err(_) => at.try_iter()?.map(|t| t?.extract::<f64>()).collect::<PyResult<_>>()?,
+    let times: Vec<f64> = match number(at) {
+        Some(t) => vec![t],
+        None => at.try_iter()?.map(|t| t?.extract::<f64>()).collect::<PyResult<_>>()?,
     };
     times.into_iter().map(|t| finite("at", Some(t)).map(|_| t)).collect()
 }

@@ -3,8 +3,9 @@
 use headland::model::{Data, Value};
 use pyo3::exceptions::{PyKeyError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyFloat, PyInt, PyList, PyString};
+use pyo3::types::{PyBool, PyList, PyString};
 
+use crate::arrays::number as plain_number;
 use crate::errors::scene_error;
 use crate::model::Model;
 
@@ -101,12 +102,12 @@ fn setting(name: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<Strin
     if let Ok(flag) = value.cast::<PyBool>() {
         return Ok(flag.is_true().to_string());
     }
-    if value.is_instance_of::<PyFloat>() || value.is_instance_of::<PyInt>() {
-        return number(name, value.extract()?);
+    if let Some(x) = plain_number(value) {
+        return number(name, x);
     }
-    if depth < 4 && value.hasattr("__len__")? && !value.hasattr("keys")? {
-        let members: Vec<String> =
-            value.try_iter()?.map(|member| setting(name, &member?, depth + 1)).collect::<PyResult<_>>()?;
+    let is_sequence = depth < 4 && value.hasattr("__len__")? && !value.hasattr("keys")?;
+    if let (true, Ok(members)) = (is_sequence, value.try_iter()) {
+        let members: Vec<String> = members.map(|m| setting(name, &m?, depth + 1)).collect::<PyResult<_>>()?;
         return Ok(format!("[{}]", members.join(", ")));
     }
     match value.extract() {

@@ -84,6 +84,8 @@ def test_arguments(train):
     # what has no axis of points goes with every point
     np.testing.assert_array_equal(eq.rates(t, np.tile(q, (3, 1)), u), np.tile(expected, (3, 1)))
     assert eq.rates([0, 1, 2], q, u).shape == (3, 5)
+    assert eq.rates(np.array([0.0]), q, u).shape == (1, 5)
+    assert eq.rates(np.array(0.0), q, u).shape == (5,)
     assert eq.mass(t, q[None], u).shape == (1, 1, 1)
     assert eq.mass(t, np.zeros((0, 5)), u).shape == (0, 1, 1)
     # arrays that are not contiguous

@@ -53,6 +53,7 @@ def test_result(train):
 def test_options(stone):
     model = stone.build()
     assert model.run(at=0.5).t.tolist() == [0.5]
+    assert model.run(at=np.array([0.5])).t.tolist() == [0.5]
     assert model.run(at=np.array([1.0, 0.25]), until=2).t.tolist() == [0.25, 1.0]
     assert model.run(at=[1.0, 0.25], until=2).summary["t_end"] == 2.0
     assert model.run(until=1, balance=False).summary["energy_balance"] is None

@@ -55,6 +55,12 @@ def test_numbers_keep_their_digits(train):
     assert train.build().parameters["v0"] == 0.1 + 0.2
 
 
+@pytest.mark.parametrize("value", [7, 7.0, "7", np.float32(7), np.int64(7), np.array(7.0), Decimal(7)])
+def test_all_kinds_of_numbers(train, value):
+    train["v0"] = value
+    assert train.build().parameters["v0"] == 7.0
+
+
 def test_get(train):
     assert train["v0"] == "18 m/s"
     assert train["l"] == ["4 m", "6 m", "6 m"]
