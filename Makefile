@@ -59,7 +59,7 @@ python: deps ## the package for Python: built, installed into an environment of 
 	    echo "make: pip could not install maturin, numpy and pytest; what it says is above" >&2; \
 	    echo "no package index in reach? set PIP_INDEX_URL to a mirror, or PIP_FIND_LINKS to a folder of wheels" >&2; \
 	    exit 1; }
-	PYO3_PYTHON=$(VENV)/bin/python $(CARGO) clippy --locked --release --manifest-path $(BINDINGS)/Cargo.toml \
+	PYO3_PYTHON=$(VENV)/bin/python $(CARGO) clippy --locked --manifest-path $(BINDINGS)/Cargo.toml \
 	    --target-dir $(abspath $(TARGET)) $(FEATURES) -- -D warnings
 	rm -rf $(VENV)/wheels
 	$(VENV)/bin/maturin build --locked --release --auditwheel skip --manifest-path $(BINDINGS)/Cargo.toml \
