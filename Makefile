@@ -4,6 +4,7 @@
 #   FEATURES           flags for the program's build, e.g. FEATURES=--no-default-features (no SUNDIALS at all)
 #                      or FEATURES='--features static' (SUNDIALS built from source; needs cmake)
 #   MODEL, OUT         what `make run` runs, and where its results go
+#   PYTHON             the interpreter for `make python` (default: python3)
 
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
@@ -28,7 +29,15 @@ ifneq (,$(findstring --no-default-features,$(FEATURES)))
 PACKAGES := ca-certificates gcc libc6-dev
 endif
 
-.PHONY: help run test bench doc schema pictures clean deps rust build lint unit validate docs
+# What a target needs beside these.
+MORE :=
+
+# The environment in which the package for Python is built and tested.
+PYTHON ?= python3
+VENV := $(abspath $(TARGET))/python
+BINDINGS := bindings/python
+
+.PHONY: help run test bench python doc schema pictures clean deps rust build lint unit validate docs
 
 help: ## this list
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | awk -F'\t' '{printf "make %-10s%s\n", $$1, $$2}'
@@ -41,6 +50,23 @@ test: deps lint unit validate docs ## everything that must hold: format, lints, 
 
 bench: deps ## benchmarks of the compiled functions and the integrators
 	$(CARGO) bench --locked --workspace --bench '*'
+
+# Debian's python3 comes without ensurepip, which makes an environment's pip.
+python: MORE = $(shell $(PYTHON) -c "import ensurepip, venv" > /dev/null 2>&1 || echo python3-venv)
+python: deps ## the package for Python: built, installed into an environment of its own, tested
+	@[ -x $(VENV)/bin/pip ] || $(PYTHON) -m venv $(VENV)
+	@$(VENV)/bin/pip install --quiet 'maturin>=1.9,<2' 'numpy>=1.22' 'pytest>=7' || { \
+	    echo "make: pip could not install maturin, numpy and pytest; what it says is above" >&2; \
+	    echo "no package index in reach? set PIP_INDEX_URL to a mirror, or PIP_FIND_LINKS to a folder of wheels" >&2; \
+	    exit 1; }
+	PYO3_PYTHON=$(VENV)/bin/python $(CARGO) clippy --locked --manifest-path $(BINDINGS)/Cargo.toml \
+	    --target-dir $(abspath $(TARGET)) $(FEATURES) -- -D warnings
+	rm -rf $(VENV)/wheels
+	$(VENV)/bin/maturin build --locked --release --auditwheel skip --manifest-path $(BINDINGS)/Cargo.toml \
+	    --target-dir $(abspath $(TARGET)) --interpreter $(VENV)/bin/python --out $(VENV)/wheels $(FEATURES)
+	$(VENV)/bin/pip install --quiet --no-deps --no-index --force-reinstall $(VENV)/wheels/headland-*.whl
+	$(VENV)/bin/pytest -q $(BINDINGS)
+	@echo "import headland:  $(VENV)/bin/python"
 
 doc: deps ## the libraries' documentation
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps --lib
@@ -65,6 +91,7 @@ build: deps
 
 lint:
 	$(CARGO) fmt --all --check
+	$(CARGO) fmt --manifest-path $(BINDINGS)/Cargo.toml --check
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
 	$(CARGO) clippy --locked -p headland-cli --no-default-features -- -D warnings
 
@@ -99,7 +126,7 @@ deps: rust
 	    echo "note: this is not Debian; needed are a C compiler and $(filter-out gcc libc6-dev ca-certificates,$(PACKAGES)), by whatever name" >&2; \
 	    exit 0; \
 	fi; \
-	missing=""; for p in $(PACKAGES); do \
+	missing=""; for p in $(PACKAGES) $(MORE); do \
 	    dpkg-query -W -f '$${db:Status-Status}' $$p 2> /dev/null | grep -qx installed || missing="$$missing $$p"; \
 	done; \
 	[ -n "$$missing" ] || exit 0; \

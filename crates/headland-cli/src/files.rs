@@ -3,8 +3,7 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use headland::{Model, RunReport, Trajectory};
-use serde_json::{Value, json};
+use headland::{Model, RunReport, Trajectory, summary};
 
 use crate::Failure;
 use crate::plot::{Figure, Series};
@@ -32,16 +31,6 @@ pub(crate) fn write_csv(path: &Path, trajectory: &Trajectory) -> Result<(), Fail
         text.push('\n');
     }
     write(path, &text)
-}
-
-/// The report with the versions of what made it.
-pub(crate) fn summary(report: &RunReport) -> Value {
-    let mut summary = serde_json::to_value(report).unwrap_or_default();
-    if let Some(object) = summary.as_object_mut() {
-        let versions = json!({ "headland": env!("CARGO_PKG_VERSION"), "methods": headland::method_names() });
-        object.insert("versions".into(), versions);
-    }
-    summary
 }
 
 /// Writes the summary.

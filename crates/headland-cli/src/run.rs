@@ -4,9 +4,9 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use headland::{Model, Run, RunError, RunOptions, Status};
+use headland::{Model, Run, RunError, RunOptions, Status, summary};
 
-use crate::files::{summary, write_csv, write_plots, write_summary};
+use crate::files::{write_csv, write_plots, write_summary};
 use crate::load::{derive_failure, load};
 use crate::progress::Progress;
 use crate::table::table;

@@ -332,7 +332,9 @@ pub struct RunSettings {
 }
 
 /// What there is: a checked scene over one expression graph.
-#[derive(Debug)]
+///
+/// A derivation adds nodes to the graph. A clone taken before derives the same bytes again, also in another thread.
+#[derive(Clone, Debug)]
 pub struct Model {
     /// Title.
     pub title: String,

@@ -18,9 +18,10 @@
 //!
 //! In order: [`system`] compiles the equations, `schedule` knows at which times a method must stop, `time_loop` steps,
 //! watches and changes the partition, `record` writes rows, [`balance`] keeps the energy's account, [`report`] tells,
-//! and [`run`](mod@run) does it all.
+//! and [`run`](mod@run) does it all. Beside them, [`functions`] gives M, F, q′, u′ and their Jacobian to whoever steps himself.
 
 pub mod balance;
+pub mod functions;
 pub mod options;
 pub mod project;
 mod record;
@@ -31,6 +32,7 @@ pub mod system;
 mod time_loop;
 mod work;
 
+pub use functions::{StateEvaluator, StateFunction, StateFunctions, initial_state};
 pub use options::{RunError, RunOptions};
 pub use report::{LogEntry, Observer, RunReport, Silent, Status, Trajectory};
 pub use run::{Run, run};

@@ -8,7 +8,7 @@ use serde::Serialize;
 pub enum Status {
     /// The end was reached.
     Done,
-    /// An event of the scene ended it.
+    /// An event of the scene ended it, or the observer.
     Stopped(String),
     /// It could not go on; what was computed until then is kept.
     Failed(String),
@@ -119,6 +119,10 @@ pub trait Observer {
     fn step(&mut self, _t: f64, _h: f64) {}
     /// A warning or an event.
     fn message(&mut self, _t: f64, _message: &str) {}
+    /// Asked after each accepted step: a reason ends the run as [`Status::Stopped`], with all that was computed.
+    fn stop(&mut self) -> Option<String> {
+        None
+    }
 }
 
 /// Sees nothing.

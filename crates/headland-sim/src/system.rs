@@ -213,32 +213,37 @@ impl System {
 
     /// `[q′, M a − F]` with a the inputs u′.
     fn residual_roots(&self) -> Vec<NodeId> {
-        let graph = &self.graph;
-        let (nq, nu) = (self.nq, self.nu);
-        let mass = &self.rhs_roots[nq..nq + nu * (nu + 1) / 2];
-        let force = &self.rhs_roots[nq + mass.len()..];
+        let (nq, triangle) = (self.nq, self.nu * (self.nu + 1) / 2);
         let mut roots = self.rhs_roots[..nq].to_vec();
-        for i in 0..nu {
-            let mut sum = -graph.expr(force[i]);
-            for j in 0..nu {
-                let a = graph.expr(graph.input_id(1 + self.len() + j));
-                sum = sum + graph.expr(mass[packed(i.max(j), i.min(j))]) * a;
-            }
-            roots.push(graph.id(sum));
-        }
+        let (mass, force) = self.rhs_roots[nq..].split_at(triangle);
+        roots.extend(force_residuals(&self.graph, mass, force));
         roots
     }
 }
 
+/// `M a − F` with a the last inputs of the graph, u′.
+pub(crate) fn force_residuals(graph: &Graph, mass: &[NodeId], force: &[NodeId]) -> Vec<NodeId> {
+    let nu = force.len();
+    let first = graph.input_count() - nu;
+    let row = |i: usize| {
+        let mut sum = -graph.expr(force[i]);
+        for j in 0..nu {
+            sum = sum + graph.expr(mass[packed(i.max(j), i.min(j))]) * graph.expr(graph.input_id(first + j));
+        }
+        graph.id(sum)
+    };
+    (0..nu).map(row).collect()
+}
+
 /// Copies nodes of the model's graph into the system's, states and time renumbered, parameters as numbers.
-struct Copy<'t> {
+pub(crate) struct Copy<'t> {
     source: &'t Graph,
     target: &'t Graph,
     inputs: Vec<Option<Expr<'t>>>,
 }
 
 impl<'t> Copy<'t> {
-    fn new(model: &'t Model, kinematics: &Kinematics, target: &'t Graph) -> Self {
+    pub(crate) fn new(model: &'t Model, kinematics: &Kinematics, target: &'t Graph) -> Self {
         let mut inputs = vec![None; model.graph.input_count()];
         inputs[model.input_index(model.time)] = Some(target.input("t"));
         for c in &model.coordinates {
@@ -256,7 +261,7 @@ impl<'t> Copy<'t> {
         Self { source: &model.graph, target, inputs }
     }
 
-    fn nodes(&self, nodes: &[NodeId]) -> Vec<NodeId> {
+    pub(crate) fn nodes(&self, nodes: &[NodeId]) -> Vec<NodeId> {
         let name = |i: usize| self.source.input_name(i);
         self.source
             .rebuild(nodes, self.target, |i| {
@@ -452,7 +457,7 @@ impl OdeProblem for Problem {
 }
 
 /// Solves with the L and D that [`solve_ldl`] left behind.
-fn solve_factored(m: &[f64], f: &mut [f64]) {
+pub(crate) fn solve_factored(m: &[f64], f: &mut [f64]) {
     let n = f.len();
     for i in 0..n {
         for j in 0..i {

@@ -164,6 +164,9 @@ impl<'m> TimeLoop<'m> {
         }
         recorder.catch_up(&mut self.work, self.integrator.as_mut())?;
         observer.step(t, t - self.integrator.t_previous());
+        if let Some(reason) = observer.stop() {
+            self.ending.status = Status::Stopped(reason);
+        }
         self.y.clear();
         self.y.extend_from_slice(self.integrator.y());
         self.watch_guards(t, observer);

@@ -135,6 +135,29 @@ impl Observer for Heard {
     }
 }
 
+/// Asks for the end once the time has passed.
+struct Until(f64, f64);
+impl Observer for Until {
+    fn step(&mut self, t: f64, _h: f64) {
+        self.1 = t;
+    }
+    fn stop(&mut self) -> Option<String> {
+        (self.1 >= self.0).then(|| "that is enough".into())
+    }
+}
+
+#[test]
+fn an_observer_ends_the_run_and_keeps_what_was_computed() {
+    let model = build(&stone());
+    let mut options = RunOptions::of(&model);
+    options.max_step = 0.01;
+    let result = run(&model, &options, &mut Until(0.5, 0.0)).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(result.report.status, Status::Stopped("that is enough".into()));
+    assert!((result.report.t_end - 0.5).abs() < 0.0101, "{}", result.report.t_end);
+    assert_eq!(result.trajectory.t.last(), Some(&result.report.t_end));
+    assert!(result.trajectory.t.len() > 15);
+}
+
 #[test]
 fn guards_warn_and_stop() {
     let mut s = stone();

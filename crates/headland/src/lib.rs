@@ -67,8 +67,21 @@ pub use headland_solve as solve;
 pub use headland_dynamics::present::{Form, equations_text};
 pub use headland_dynamics::{Algorithm, DeriveError, DeriveOptions, Equations, derive};
 pub use headland_model::{Model, ModelError, Scene};
-pub use headland_sim::{Observer, Run, RunError, RunOptions, RunReport, Silent, Status, System, Trajectory, run};
+pub use headland_sim::{
+    Observer, Run, RunError, RunOptions, RunReport, Silent, StateFunction, StateFunctions, Status, System, Trajectory,
+    initial_state, run,
+};
 pub use headland_solve::{Method, SolveError, method_names};
+
+/// The report with the versions of what made it: what `summary.json` holds.
+pub fn summary(report: &RunReport) -> serde_json::Value {
+    let mut summary = serde_json::to_value(report).unwrap_or_default();
+    if let Some(object) = summary.as_object_mut() {
+        let versions = serde_json::json!({ "headland": env!("CARGO_PKG_VERSION"), "methods": method_names() });
+        object.insert("versions".into(), versions);
+    }
+    summary
+}
 
 /// Whatever can go wrong between a scene and a run; each stage has its own error.
 #[derive(Debug, thiserror::Error)]
