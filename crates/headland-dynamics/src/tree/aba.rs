@@ -44,7 +44,7 @@ pub fn aba<S: Scalar>(
     }
 }
 
-/// Twist, inertia and bias wrench of the body alone.
+/// Twist and bias wrench of the body alone.
 #[inline]
 fn outward<S: Scalar>(
     joint: &impl Products<S>,
@@ -63,19 +63,22 @@ fn outward<S: Scalar>(
         [] => gyroscopic,
         wrenches => gyroscopic - wrenches[b],
     };
-    work.articulated[b + 1] = Articulated::rigid(&link.rigid);
 }
 
 /// Eliminates the joint's freedoms and hands the rest to the parent.
 #[inline]
 fn inward<S: Scalar>(joint: &impl Products<S>, tree: &Tree<S>, b: usize, u: &[S], tau: &[S], work: &mut Workspace<S>) {
     let (link, range) = (&tree.links[b], tree.u_range(b));
-    let mut inertia = work.articulated[b + 1];
+    let mut inertia = if link.leaf { Articulated::rigid(&link.rigid) } else { work.articulated[b + 1] };
     let mut wrench: Wrench<S> = work.slots[b + 1].wrench;
     let bias = Bias { twist: work.slots[b + 1].twist, u: &u[range.clone()] };
     joint.eliminate(&mut inertia, &mut wrench, bias, &tau[range.clone()], &mut work.pivots[range]);
     if link.parent > 0 {
-        work.articulated[link.parent].add(&joint.reduced_out(&inertia));
+        let reduced = joint.reduced_out(&inertia);
+        match link.last {
+            true => work.articulated[link.parent] = reduced.and_rigid(&tree.links[link.parent - 1].rigid),
+            false => work.articulated[link.parent].add(&reduced),
+        }
         let parent = &mut work.slots[link.parent];
         parent.wrench = parent.wrench + joint.wrench_out(wrench);
     }

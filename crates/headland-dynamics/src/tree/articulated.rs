@@ -54,6 +54,21 @@ impl<S: Scalar> Articulated<S> {
         }
     }
 
+    /// With a rigid body added, whose many zeros are not.
+    #[inline]
+    pub fn and_rigid(mut self, i: &OriginInertia<S>) -> Self {
+        let [x, y, z] = i.moment.0;
+        self.angular = self.angular + i.tensor;
+        let h = &mut self.coupling;
+        (h[0][1], h[1][0]) = (h[0][1] - z, h[1][0] + z);
+        (h[2][0], h[0][2]) = (h[2][0] - y, h[0][2] + y);
+        (h[1][2], h[2][1]) = (h[1][2] - x, h[2][1] + x);
+        for k in 0..3 {
+            self.linear.0[k] = self.linear.0[k] + i.mass;
+        }
+        self
+    }
+
     #[inline]
     pub fn add(&mut self, b: &Self) {
         self.angular = self.angular + b.angular;

@@ -57,12 +57,16 @@ pub struct Body<S> {
     pub inertia: Inertia<S>,
 }
 
-/// Which products a body's joint has: three specialised ones, and two kinds of general ones.
+/// Which products a body's joint has: revolutes' specialised ones, and two kinds of general ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kernel {
     RevoluteX,
     RevoluteY,
     RevoluteZ,
+    /// Revolute on a mount with a rotation.
+    MountedX,
+    MountedY,
+    MountedZ,
     /// The body never turns in its parent.
     Straight,
     /// A full rotation matrix.
@@ -82,6 +86,10 @@ pub(super) struct Link<S> {
     /// `p_PF`.
     pub position: Vector<S>,
     pub rigid: OriginInertia<S>,
+    /// Nothing hangs from it.
+    pub leaf: bool,
+    /// Of its parent's children the last: the first that a pass from the leaves comes by.
+    pub last: bool,
 }
 
 /// Bodies joined to a tree, parents first. `q` and `u` hold the joints' parts in the order of the bodies.
@@ -119,6 +127,13 @@ impl<S: Scalar> Tree<S> {
         let index = self.bodies.len();
         assert!(parent.is_none_or(|p| p < index), "parent {parent:?} of body {index} is not there yet");
         let mount = mount.into();
+        if let Some(p) = parent {
+            let leaf = std::mem::replace(&mut self.links[p].leaf, false);
+            let sibling = if leaf { None } else { self.links.iter_mut().rev().find(|l| l.parent == p + 1) };
+            if let Some(sibling) = sibling {
+                sibling.last = false;
+            }
+        }
         self.links.push(Link {
             parent: parent.map_or(0, |p| p + 1),
             kernel: kernel(&mount, &joint),
@@ -126,6 +141,8 @@ impl<S: Scalar> Tree<S> {
             u: self.nu,
             position: mount.pose().position,
             rigid: inertia.about_origin(),
+            leaf: true,
+            last: true,
         });
         self.nq += joint.nq();
         self.nu += joint.nu();
@@ -237,6 +254,9 @@ fn kernel<S: Scalar>(mount: &Mount<S>, joint: &Joint<S>) -> Kernel {
         (Mount::At(_), Joint::Revolute(Axis::X)) => Kernel::RevoluteX,
         (Mount::At(_), Joint::Revolute(Axis::Y)) => Kernel::RevoluteY,
         (Mount::At(_), Joint::Revolute(Axis::Z)) => Kernel::RevoluteZ,
+        (Mount::Pose(_), Joint::Revolute(Axis::X)) => Kernel::MountedX,
+        (Mount::Pose(_), Joint::Revolute(Axis::Y)) => Kernel::MountedY,
+        (Mount::Pose(_), Joint::Revolute(Axis::Z)) => Kernel::MountedZ,
         (Mount::At(_), Joint::Fixed | Joint::Prismatic(_) | Joint::PrismaticAlong(_)) => Kernel::Straight,
         _ => Kernel::Turned,
     }

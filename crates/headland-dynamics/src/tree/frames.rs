@@ -64,7 +64,7 @@ fn in_parent<S: Scalar>(tree: &Tree<S>, work: &Workspace<S>, b: usize) -> Pose<S
         Kernel::RevoluteY => about(headland_spatial::Axis::Y),
         Kernel::RevoluteZ => about(headland_spatial::Axis::Z),
         Kernel::Straight => Rotation::identity(),
-        Kernel::Turned => work.rotations[b],
+        Kernel::MountedX | Kernel::MountedY | Kernel::MountedZ | Kernel::Turned => work.rotations[b],
     };
     Pose::new(rotation, place.position)
 }

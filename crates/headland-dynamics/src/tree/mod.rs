@@ -41,6 +41,7 @@ pub mod workspace;
 pub use aba::aba;
 pub use bodies::{Body, Mount, Tree};
 pub use crba::crba;
+pub use derivative::{JacobianWorkspace, Jacobians, LaneJacobian, aba_jacobian, rnea_jacobian};
 pub use frames::{Frames, body_jacobian, frames};
 pub use joint::Joint;
 pub use project::{Reduction, project};

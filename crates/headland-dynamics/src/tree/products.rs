@@ -83,7 +83,7 @@ macro_rules! with_joint {
     ($tree:expr, $work:expr, $b:expr, |$j:ident| $e:expr) => {{
         use $crate::tree::bodies::Kernel;
         use $crate::tree::general::{General, Straight};
-        use $crate::tree::revolute::Revolute;
+        use $crate::tree::revolute::{Mounted, Revolute};
         let (link, place) = (&$tree.links[$b], &$work.places[$b]);
         let (sin, cos) = (place.sin, place.cos);
         match link.kernel {
@@ -97,6 +97,21 @@ macro_rules! with_joint {
             }
             Kernel::RevoluteZ => {
                 let $j = Revolute::<_, 2> { sin, cos, position: link.position };
+                $e
+            }
+            Kernel::MountedX => {
+                let joint = Revolute::<_, 0> { sin, cos, position: link.position };
+                let $j = Mounted { joint, rotation: $work.rotations[$b] };
+                $e
+            }
+            Kernel::MountedY => {
+                let joint = Revolute::<_, 1> { sin, cos, position: link.position };
+                let $j = Mounted { joint, rotation: $work.rotations[$b] };
+                $e
+            }
+            Kernel::MountedZ => {
+                let joint = Revolute::<_, 2> { sin, cos, position: link.position };
+                let $j = Mounted { joint, rotation: $work.rotations[$b] };
                 $e
             }
             Kernel::Straight => {

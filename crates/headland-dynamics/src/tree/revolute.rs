@@ -4,7 +4,7 @@
 //! the axis are zero) 26 in place of 144.
 
 use headland_expr::Scalar;
-use headland_spatial::{Axis, Symmetric, Twist, Vector, Wrench};
+use headland_spatial::{Axis, Rotation, Symmetric, Twist, Vector, Wrench};
 
 use super::articulated::{Articulated, Pivot};
 use super::products::{Bias, Products};
@@ -163,4 +163,93 @@ impl<S: Scalar, const I: usize> Products<S> for Revolute<S, I> {
         *t.get_mut(j, k) = angular.get(j, k) + before_j[k] + after[k][j];
         Articulated { angular: t, coupling, linear }
     }
+}
+
+/// A revolute joint mounted with a rotation: transforms are dense, all the rest is [`Revolute`]'s.
+pub(super) struct Mounted<S, const I: usize> {
+    pub joint: Revolute<S, I>,
+    /// `R_PB`.
+    pub rotation: Rotation<S>,
+}
+
+impl<S: Scalar, const I: usize> Products<S> for Mounted<S, I> {
+    #[inline]
+    fn out(&self, v: Vector<S>) -> Vector<S> {
+        self.rotation.apply(v)
+    }
+
+    #[inline]
+    fn back(&self, v: Vector<S>) -> Vector<S> {
+        self.rotation.apply_inverse(v)
+    }
+
+    #[inline]
+    fn tensor_out(&self, t: &Symmetric<S>) -> Symmetric<S> {
+        self.rotation.apply_to_tensor(t)
+    }
+
+    #[inline]
+    fn position(&self) -> Vector<S> {
+        self.joint.position
+    }
+
+    #[inline]
+    fn motion(&self, u: &[S]) -> Twist<S> {
+        self.joint.motion(u)
+    }
+
+    #[inline]
+    fn add_motion(&self, v: Twist<S>, u: &[S]) -> Twist<S> {
+        self.joint.add_motion(v, u)
+    }
+
+    #[inline]
+    fn bias(&self, v: Twist<S>, u: &[S]) -> Twist<S> {
+        self.joint.bias(v, u)
+    }
+
+    #[inline]
+    fn project(&self, f: Wrench<S>, tau: &mut [S]) {
+        self.joint.project(f, tau);
+    }
+
+    #[inline]
+    fn eliminate(
+        &self,
+        i: &mut Articulated<S>,
+        p: &mut Wrench<S>,
+        bias: Bias<'_, S>,
+        tau: &[S],
+        pivots: &mut [Pivot<S>],
+    ) {
+        self.joint.eliminate(i, p, bias, tau, pivots);
+    }
+
+    #[inline]
+    fn solve(&self, a: Twist<S>, pivots: &[Pivot<S>], acceleration: &mut [S]) -> Twist<S> {
+        self.joint.solve(a, pivots, acceleration)
+    }
+
+    /// Dense, but for the zero row and column of the axis.
+    #[inline]
+    fn reduced_out(&self, i: &Articulated<S>) -> Articulated<S> {
+        let (j, k) = ((I + 1) % 3, (I + 2) % 3);
+        let r = &self.rotation.0;
+        let (a, b, d) = (i.angular.get(j, j), i.angular.get(k, k), i.angular.get(j, k));
+        let rows = r.map(|row| [a * row[j] + d * row[k], d * row[j] + b * row[k]]); // block times Rᵀ
+        let angular = Symmetric::from_fn(|m, n| r[m][j] * rows[n][0] + r[m][k] * rows[n][1]);
+        let (h_j, h_k) = (self.out(Vector(i.coupling[j])), self.out(Vector(i.coupling[k])));
+        let coupling = std::array::from_fn(|m| std::array::from_fn(|n| r[m][j] * h_j[n] + r[m][k] * h_k[n]));
+        Articulated { angular, coupling, linear: self.tensor_out(&i.linear) }.shifted(self.joint.position)
+    }
+}
+
+/// `R` times the rotation about an axis with the given sine and cosine.
+#[inline]
+pub(super) fn turned<S: Scalar>(r: &Rotation<S>, axis: Axis, (sin, cos): (S, S)) -> Rotation<S> {
+    let (_, j, k) = axis.cycle();
+    Rotation(r.0.map(|mut row| {
+        (row[j], row[k]) = (cos * row[j] + sin * row[k], cos * row[k] - sin * row[j]);
+        row
+    }))
 }

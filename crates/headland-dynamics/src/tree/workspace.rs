@@ -4,8 +4,10 @@ use headland_expr::Scalar;
 use headland_spatial::{OriginInertia, Rotation, Twist, Vector, Wrench};
 
 use super::articulated::{Articulated, Pivot};
-use super::bodies::{Kernel, Tree};
+use super::bodies::{Kernel, Mount, Tree};
 use super::general;
+use super::joint::Joint;
+use super::revolute::turned;
 
 /// Gravity and wrenches on bodies.
 #[derive(Clone, Copy, Debug)]
@@ -83,6 +85,12 @@ impl<S: Scalar> Workspace<S> {
             Kernel::RevoluteX | Kernel::RevoluteY | Kernel::RevoluteZ => {
                 let place = &mut self.places[b];
                 (place.sin, place.cos) = q[link.q].sin_cos();
+            }
+            Kernel::MountedX | Kernel::MountedY | Kernel::MountedZ => {
+                let body = &tree.bodies()[b];
+                if let (Mount::Pose(x), Joint::Revolute(axis)) = (body.mount, body.joint) {
+                    self.rotations[b] = turned(&x.rotation, axis, q[link.q].sin_cos());
+                }
             }
             Kernel::Straight | Kernel::Turned => {
                 let q = &q[tree.q_range(b)];
