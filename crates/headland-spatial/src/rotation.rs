@@ -108,7 +108,8 @@ impl<S: Scalar> Rotation<S> {
     /// `v_A = R_AB v_B`.
     #[inline]
     pub fn apply(&self, v: Vector<S>) -> Vector<S> {
-        Vector(self.0.map(|row| Vector(row).dot(v)))
+        let [x, y, z] = self.0;
+        Vector([Vector(x).dot(v), Vector(y).dot(v), Vector(z).dot(v)])
     }
 
     /// `v_B = R_ABᵀ v_A`.

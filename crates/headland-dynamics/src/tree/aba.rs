@@ -69,15 +69,19 @@ fn outward<S: Scalar>(
 #[inline]
 fn inward<S: Scalar>(joint: &impl Products<S>, tree: &Tree<S>, b: usize, u: &[S], tau: &[S], work: &mut Workspace<S>) {
     let (link, range) = (&tree.links[b], tree.u_range(b));
-    let mut inertia = if link.leaf { Articulated::rigid(&link.rigid) } else { work.articulated[b + 1] };
+    let (before, own) = work.articulated.split_at_mut(b + 1);
+    let inertia = &mut own[0];
+    if link.leaf {
+        *inertia = Articulated::rigid(&link.rigid);
+    }
     let mut wrench: Wrench<S> = work.slots[b + 1].wrench;
     let bias = Bias { twist: work.slots[b + 1].twist, u: &u[range.clone()] };
-    joint.eliminate(&mut inertia, &mut wrench, bias, &tau[range.clone()], &mut work.pivots[range]);
+    joint.eliminate(inertia, &mut wrench, bias, &tau[range.clone()], &mut work.pivots[range]);
     if link.parent > 0 {
-        let reduced = joint.reduced_out(&inertia);
+        let reduced = joint.reduced_out(inertia);
         match link.last {
-            true => work.articulated[link.parent] = reduced.and_rigid(&tree.links[link.parent - 1].rigid),
-            false => work.articulated[link.parent].add(&reduced),
+            true => before[link.parent] = reduced.and_rigid(&tree.links[link.parent - 1].rigid),
+            false => before[link.parent].add(&reduced),
         }
         let parent = &mut work.slots[link.parent];
         parent.wrench = parent.wrench + joint.wrench_out(wrench);

@@ -120,7 +120,10 @@ impl<S: Scalar> Articulated<S> {
         let u = self.column::<K>();
         let pivot = u[K];
         let inverse = S::constant(1.0) / pivot;
-        let column = u.map(|x| x * inverse);
+        let mut column = u;
+        for x in &mut column {
+            *x = *x * inverse;
+        }
         let rest = (tau - *component(p, K)) * inverse;
         for i in 0..6 {
             for j in i..6 {
@@ -131,6 +134,18 @@ impl<S: Scalar> Articulated<S> {
             *f = if i == K { tau } else { *f + u[i] * rest };
         }
         Pivot { column, rest, pivot }
+    }
+
+    /// [`eliminate`](Self::eliminate) with the freedom known at run time.
+    pub fn eliminate_entry(&mut self, k: usize, p: &mut Wrench<S>, tau: S) -> Pivot<S> {
+        match k {
+            0 => self.eliminate::<0>(p, tau),
+            1 => self.eliminate::<1>(p, tau),
+            2 => self.eliminate::<2>(p, tau),
+            3 => self.eliminate::<3>(p, tau),
+            4 => self.eliminate::<4>(p, tau),
+            _ => self.eliminate::<5>(p, tau),
+        }
     }
 
     /// [`eliminate`](Self::eliminate) of the motion along any twist `s`.

@@ -79,10 +79,10 @@ pub(super) struct Link<S> {
     /// Slot of the parent: its index + 1, the world is 0.
     pub parent: usize,
     pub kernel: Kernel,
-    /// First coordinate.
-    pub q: usize,
-    /// First quasi-velocity.
-    pub u: usize,
+    /// First coordinate and the one after the last.
+    pub q: (usize, usize),
+    /// First quasi-velocity and the one after the last.
+    pub u: (usize, usize),
     /// `p_PF`.
     pub position: Vector<S>,
     pub rigid: OriginInertia<S>,
@@ -137,8 +137,8 @@ impl<S: Scalar> Tree<S> {
         self.links.push(Link {
             parent: parent.map_or(0, |p| p + 1),
             kernel: kernel(&mount, &joint),
-            q: self.nq,
-            u: self.nu,
+            q: (self.nq, self.nq + joint.nq()),
+            u: (self.nu, self.nu + joint.nu()),
             position: mount.pose().position,
             rigid: inertia.about_origin(),
             leaf: true,
@@ -184,10 +184,12 @@ impl<S: Scalar> Tree<S> {
     }
 
     /// The bodies, parents first.
+    #[inline]
     pub fn bodies(&self) -> &[Body<S>] {
         &self.bodies
     }
     /// Number of bodies.
+    #[inline]
     pub fn len(&self) -> usize {
         self.bodies.len()
     }
@@ -204,14 +206,16 @@ impl<S: Scalar> Tree<S> {
         self.nu
     }
     /// The body's coordinates in `q`.
+    #[inline]
     pub fn q_range(&self, body: usize) -> Range<usize> {
-        let start = self.links[body].q;
-        start..start + self.bodies[body].joint.nq()
+        let (start, end) = self.links[body].q;
+        start..end
     }
     /// The body's quasi-velocities in `u`.
+    #[inline]
     pub fn u_range(&self, body: usize) -> Range<usize> {
-        let start = self.links[body].u;
-        start..start + self.bodies[body].joint.nu()
+        let (start, end) = self.links[body].u;
+        start..end
     }
 
     /// Coordinates at which every body's frame is its joint's inboard frame.

@@ -1,4 +1,4 @@
-//! Exact Jacobians: [`rnea_jacobian`] and [`aba_jacobian`] by recursion, [`LaneJacobian`] by dual numbers.
+//! Exact Jacobians: [`rnea_jacobian`] and [`aba_jacobian`] by recursion, see [`LaneJacobian`](super::LaneJacobian) for dual numbers.
 //!
 //! The recursion works with all quantities at the world's origin in the world's axes, where those of bodies joined simply add.
 //! `M⁻¹` being at hand, the Jacobian of accelerations is that of forces:
@@ -13,8 +13,7 @@
 //! Singh, Russo & Wensing, *Efficient analytical derivatives of rigid-body dynamics using spatial vector algebra*, 2022.
 //! Its `2 B x` is written out: it depends on the angular part of `x` alone, by `N` and the momentum `P`.
 
-use headland_code::Lanes;
-use headland_expr::{Dual, Scalar};
+use headland_expr::Scalar;
 use headland_spatial::{OriginInertia, Quaternion, Symmetric, Twist, Vector, Wrench};
 
 use super::bodies::Tree;
@@ -321,64 +320,6 @@ fn chain_to_coordinates<S: Scalar>(tree: &Tree<S>, q: &[S], by_motion: &[S], by_
                 let d = &by_motion[i * nu + turns..i * nu + turns + 3];
                 for c in 0..4 {
                     by_q[i * nq + start + c] = d[0] * rates[0][c] + d[1] * rates[1][c] + d[2] * rates[2][c];
-                }
-            }
-        }
-    }
-}
-
-/// Jacobians of [`aba`](super::aba()) by dual numbers, as many directions at a time as `L` has lanes.
-///
-/// Slower than [`aba_jacobian`] but independent of it: nothing is differentiated by hand.
-#[derive(Clone, Debug)]
-pub struct LaneJacobian<L> {
-    tree: Tree<Dual<L>>,
-    work: Workspace<Dual<L>>,
-    /// q, u, τ.
-    inputs: Vec<Dual<L>>,
-    wrenches: Vec<Wrench<Dual<L>>>,
-    acceleration: Vec<Dual<L>>,
-}
-
-impl<L: Lanes> LaneJacobian<L> {
-    /// For one tree.
-    pub fn new(tree: &Tree<f64>) -> Self {
-        let tree = tree.map(Dual::constant);
-        let (zero, work) = (Dual::constant(0.0), Workspace::new(&tree));
-        let inputs = vec![zero; tree.nq() + 2 * tree.nu()];
-        Self { work, inputs, wrenches: Vec::with_capacity(tree.len()), acceleration: vec![zero; tree.nu()], tree }
-    }
-
-    /// Jacobians at a state.
-    ///
-    /// # Panics
-    /// If a length is wrong.
-    pub fn eval(&mut self, q: &[f64], u: &[f64], tau: &[f64], loads: &Loads<'_, f64>, jacobians: &mut Jacobians<f64>) {
-        let (nq, nu) = (self.tree.nq(), self.tree.nu());
-        let lift = |v: Vector<f64>| v.map(Dual::constant);
-        self.wrenches.clear();
-        self.wrenches.extend(loads.wrenches.iter().map(|f| Wrench::new(lift(f.torque), lift(f.force))));
-        let loads = Loads { gravity: lift(loads.gravity), wrenches: &self.wrenches };
-        for start in (0..nq + 2 * nu).step_by(L::WIDTH) {
-            for (i, x) in q.iter().chain(u).chain(tau).enumerate() {
-                let mut seed = [0.0; 16];
-                if let Some(lane) = i.checked_sub(start).filter(|lane| *lane < L::WIDTH) {
-                    seed[lane] = 1.0;
-                }
-                self.inputs[i] = Dual::new(L::constant(*x), L::load(&seed));
-            }
-            let (q, rest) = self.inputs.split_at(nq);
-            let (u, tau) = rest.split_at(nu);
-            super::aba::aba(&self.tree, q, u, tau, &loads, &mut self.work, &mut self.acceleration);
-            for (row, a) in self.acceleration.iter().enumerate() {
-                let mut dot = [0.0; 16];
-                a.dot.store(&mut dot);
-                for (i, x) in (start..nq + 2 * nu).zip(&dot[..L::WIDTH]) {
-                    match i {
-                        _ if i < nq => jacobians.by_q[row * nq + i] = *x,
-                        _ if i < nq + nu => jacobians.by_u[row * nu + i - nq] = *x,
-                        _ => jacobians.by_tau[row * nu + i - nq - nu] = *x,
-                    }
                 }
             }
         }

@@ -204,14 +204,7 @@ impl<S: Scalar, T: Turn<S>> Products<S> for General<'_, S, T> {
         } else {
             let s = self.selected(tau);
             for ((&k, tau), pivot) in self.freedoms().iter().zip(s).zip(pivots) {
-                *pivot = match k {
-                    0 => i.eliminate::<0>(p, tau),
-                    1 => i.eliminate::<1>(p, tau),
-                    2 => i.eliminate::<2>(p, tau),
-                    3 => i.eliminate::<3>(p, tau),
-                    4 => i.eliminate::<4>(p, tau),
-                    _ => i.eliminate::<5>(p, tau),
-                };
+                *pivot = i.eliminate_entry(k, p, tau);
             }
         }
         *p = *p + i.apply(self.bias(bias.twist, bias.u));

@@ -20,7 +20,8 @@
 //!
 //! In order: [`joint`] and [`bodies`] are the data, [`workspace`] the scratch, [`frames`](mod@frames) forward kinematics and body
 //! Jacobians, [`rnea`](mod@rnea) inverse dynamics, [`crba`](mod@crba) the mass matrix, [`aba`](mod@aba) accelerations,
-//! [`project`](mod@project) the same on fewer quasi-velocities, [`derivative`] exact Jacobians. `products` says what the
+//! [`project`](mod@project) the same on fewer quasi-velocities, [`derivative`] exact Jacobians by
+//! recursion, [`lanes`] by the dual numbers of [`tangent`]. `products` says what the
 //! recursions ask of a joint, `revolute` and `general` answer, `articulated` is their inertia.
 #![allow(non_snake_case)] // X_PB, V_WB_B: monogram notation
 
@@ -32,18 +33,22 @@ pub mod derivative;
 pub mod frames;
 mod general;
 pub mod joint;
+pub mod lanes;
 mod products;
 pub mod project;
 mod revolute;
 pub mod rnea;
+pub mod tangent;
 pub mod workspace;
 
 pub use aba::aba;
 pub use bodies::{Body, Mount, Tree};
 pub use crba::crba;
-pub use derivative::{JacobianWorkspace, Jacobians, LaneJacobian, aba_jacobian, rnea_jacobian};
+pub use derivative::{JacobianWorkspace, Jacobians, aba_jacobian, rnea_jacobian};
 pub use frames::{Frames, body_jacobian, frames};
 pub use joint::Joint;
+pub use lanes::LaneJacobian;
 pub use project::{Reduction, project};
 pub use rnea::{mass_times, rnea};
+pub use tangent::Tangent;
 pub use workspace::{Loads, Workspace};

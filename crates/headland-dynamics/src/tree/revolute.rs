@@ -153,7 +153,8 @@ impl<S: Scalar, const I: usize> Products<S> for Revolute<S, I> {
             coupling[k][n] = h_k[n] + moved[n][k];
         }
         let (before_j, before_k) = (p.cross(h_j), p.cross(h_k));
-        let after = coupling.map(|row| p.cross(Vector(row)));
+        let [after_x, after_y, after_z] = coupling;
+        let after = [p.cross(Vector(after_x)), p.cross(Vector(after_y)), p.cross(Vector(after_z))];
         let mut t = Symmetric::zero();
         *t.get_mut(I, I) = after[I][I];
         *t.get_mut(I, j) = after[j][I];

@@ -84,12 +84,12 @@ impl<S: Scalar> Workspace<S> {
         match link.kernel {
             Kernel::RevoluteX | Kernel::RevoluteY | Kernel::RevoluteZ => {
                 let place = &mut self.places[b];
-                (place.sin, place.cos) = q[link.q].sin_cos();
+                (place.sin, place.cos) = q[link.q.0].sin_cos();
             }
             Kernel::MountedX | Kernel::MountedY | Kernel::MountedZ => {
                 let body = &tree.bodies()[b];
                 if let (Mount::Pose(x), Joint::Revolute(axis)) = (body.mount, body.joint) {
-                    self.rotations[b] = turned(&x.rotation, axis, q[link.q].sin_cos());
+                    self.rotations[b] = turned(&x.rotation, axis, q[link.q.0].sin_cos());
                 }
             }
             Kernel::Straight | Kernel::Turned => {
