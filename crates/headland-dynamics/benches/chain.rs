@@ -5,7 +5,9 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use headland_code::{Lanes, Lanes4, Lanes8};
-use headland_dynamics::tree::{Joint, Loads, Tree, Workspace, aba, crba, rnea};
+use headland_dynamics::tree::{
+    JacobianWorkspace, Jacobians, Joint, LaneJacobian, Loads, Tree, Workspace, aba, aba_jacobian, crba, rnea,
+};
 use headland_expr::{Expr, Graph, Scalar};
 use headland_spatial::{Axis, Inertia, Pose, Rotation, Symmetric, Vector};
 
@@ -71,6 +73,25 @@ fn recursions(c: &mut Criterion) {
     }
 }
 
+/// All of `∂u̇/∂(q, u, τ)`: by recursion, and by dual numbers.
+fn jacobians(c: &mut Criterion) {
+    let loads = Loads::gravity(Vector([0.0, 0.0, -9.81]));
+    let mut group = c.benchmark_group("jacobian");
+    for n in [4, 8, 16, 32] {
+        let tree = chain(n, false);
+        let (q, u, tau): (Vec<f64>, Vec<f64>, Vec<f64>) = (state(n, 0.0), state(n, 1.0), state(n, 2.0));
+        let (mut work, mut a, mut all) = (JacobianWorkspace::new(&tree), q.clone(), Jacobians::new(&tree));
+        group.bench_function(BenchmarkId::new("recursion", n), |b| {
+            b.iter(|| aba_jacobian(&tree, black_box(&q), &u, &tau, &loads, &mut work, &mut a, &mut all));
+        });
+        let mut lanes = LaneJacobian::<Lanes8>::new(&tree);
+        group.bench_function(BenchmarkId::new("dual_x8", n), |b| {
+            b.iter(|| lanes.eval(black_box(&q), &u, &tau, &loads, &mut all));
+        });
+    }
+    group.finish();
+}
+
 /// Operations of the symbolic form, printed; not timed.
 fn operations(_: &mut Criterion) {
     for n in [4, 8, 16, 32] {
@@ -92,6 +113,6 @@ criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(20).measurement_time(std::time::Duration::from_millis(500))
         .warm_up_time(std::time::Duration::from_millis(200));
-    targets = operations, recursions
+    targets = operations, recursions, jacobians
 }
 criterion_main!(benches);
