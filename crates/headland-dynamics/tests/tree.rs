@@ -316,6 +316,40 @@ fn projection_is_the_dense_product() {
     }
 }
 
+#[test]
+fn a_workspace_serves_every_tree_of_its_size() {
+    let mut r = Random(3);
+    let (mut one, mut other) = (Tree::new(), Tree::new());
+    for tree in [&mut one, &mut other] {
+        for b in 0..4usize {
+            tree.push(b.checked_sub(1), r.vector(), Joint::Revolute(Axis::ALL[b % 3]), r.inertia());
+        }
+    }
+    let (s, mut used, mut fresh) = (r.state(&other), Workspace::new(&one), Workspace::new(&other));
+    let (mut a, mut b) = (Frames::new(&other), Frames::new(&other));
+    frames(&other, &s.q, &s.u, &mut used, &mut a);
+    frames(&other, &s.q, &s.u, &mut fresh, &mut b);
+    assert_eq!((a.poses, a.twists), (b.poses, b.twists));
+}
+
+/// In symbols, with loads on nothing; the operations that it takes are printed.
+#[test]
+fn a_free_ball_falls() {
+    let graph = Graph::new();
+    let mut ball = Tree::new();
+    let sphere = Inertia::solid_sphere(2.0, 0.1);
+    ball.push(None, Mount::origin(), Joint::Free, sphere);
+    let input = |n: usize| -> Vec<Expr<'_>> { (0..n).map(|_| graph.input("x")).collect() };
+    let (q, u, mut a) = (input(7), input(6), input(6));
+    let (tree, zero) = (ball.map(Expr::constant), [Expr::Const(0.0); 6]);
+    let loads = Loads::gravity(Vector([0.0, 0.0, -9.81]).map(Expr::constant));
+    headland_dynamics::tree::aba(&tree, &q, &u, &zero, &loads, &mut Workspace::new(&tree), &mut a);
+    let roots: Vec<_> = a.iter().map(|e| graph.id(*e)).collect();
+    let x: Vec<f64> = Random(1).numbers(19);
+    near(&graph.eval(&roots, &x), &[0.0, 0.0, 0.0, 0.0, 0.0, -9.81], 1e-15);
+    eprintln!("a free ball: {} operations", graph.operations(&roots));
+}
+
 /// Two rods of length l and mass m, angles from the vertical, both absolute in the formula.
 ///
 /// ```text

@@ -1,7 +1,7 @@
 //! [`Frames`]: where the bodies are and how they move; energies; [`body_jacobian`].
 
 use headland_expr::Scalar;
-use headland_spatial::{Pose, Rotation, Twist, Vector};
+use headland_spatial::{Axis, Pose, Rotation, Twist, Vector};
 
 use super::bodies::{Kernel, Tree};
 use super::crba::column;
@@ -57,16 +57,16 @@ pub fn frames<S: Scalar>(tree: &Tree<S>, q: &[S], u: &[S], work: &mut Workspace<
 
 /// `X_PB` from the positions that the workspace holds.
 fn in_parent<S: Scalar>(tree: &Tree<S>, work: &Workspace<S>, b: usize) -> Pose<S> {
-    let place = &work.places[b];
-    let about = |axis| Rotation::about_sin_cos(axis, place.sin, place.cos);
-    let rotation = match tree.links[b].kernel {
-        Kernel::RevoluteX => about(headland_spatial::Axis::X),
-        Kernel::RevoluteY => about(headland_spatial::Axis::Y),
-        Kernel::RevoluteZ => about(headland_spatial::Axis::Z),
-        Kernel::Straight => Rotation::identity(),
-        Kernel::MountedX | Kernel::MountedY | Kernel::MountedZ | Kernel::Turned => work.rotations[b],
-    };
-    Pose::new(rotation, place.position)
+    let (link, place) = (&tree.links[b], &work.places[b]);
+    let about = |axis| Pose::new(Rotation::about_sin_cos(axis, place.sin, place.cos), link.position);
+    match link.kernel {
+        Kernel::RevoluteX => about(Axis::X),
+        Kernel::RevoluteY => about(Axis::Y),
+        Kernel::RevoluteZ => about(Axis::Z),
+        Kernel::MountedX | Kernel::MountedY | Kernel::MountedZ => Pose::new(work.rotations[b], link.position),
+        Kernel::Straight => Pose::at(place.position),
+        Kernel::Turned => Pose::new(work.rotations[b], place.position),
+    }
 }
 
 /// `J` with `V_WB_B = J u`: one twist a quasi-velocity, with the positions that the workspace holds.

@@ -106,16 +106,36 @@ impl<S: Scalar, const I: usize> Products<S> for Revolute<S, I> {
         tau: &[S],
         pivots: &mut [Pivot<S>],
     ) {
+        // `Articulated::eliminate`, but row and column of the axis, which nothing reads, are left as they are
         let (j, k) = (Self::J, Self::K);
-        let pivot = i.eliminate::<I>(p, tau[0]);
-        pivots[0] = pivot;
+        let Articulated { angular: t, coupling: h, linear: m } = i;
+        let (pivot, own) = (t.get(I, I), h[I]);
+        let inverse = S::constant(1.0) / pivot;
+        let (u_j, u_k) = (t.get(I, j), t.get(I, k));
+        let (g_j, g_k) = (u_j * inverse, u_k * inverse);
+        let g = [own[0] * inverse, own[1] * inverse, own[2] * inverse];
+        let rest = (tau[0] - p.torque[I]) * inverse;
+        let mut column = [S::constant(1.0), S::constant(1.0), S::constant(1.0), g[0], g[1], g[2]];
+        (column[j], column[k]) = (g_j, g_k);
+        pivots[0] = Pivot { column, rest, pivot };
+
+        *t.get_mut(j, j) = t.get(j, j) - u_j * g_j;
+        *t.get_mut(k, k) = t.get(k, k) - u_k * g_k;
+        *t.get_mut(j, k) = t.get(j, k) - u_j * g_k;
+        for n in 0..3 {
+            h[j][n] = h[j][n] - u_j * g[n];
+            h[k][n] = h[k][n] - u_k * g[n];
+        }
+        *m = Symmetric::from_fn(|r, c| m.get(r, c) - own[r] * g[c]);
+
         let c = self.bias(bias.twist, bias.u);
         let (a, b, x, y) = (c.angular[j], c.angular[k], c.linear[j], c.linear[k]);
-        let (t, h, m) = (&i.angular, &i.coupling, &i.linear);
-        p.torque[j] = p.torque[j] + (t.get(j, j) * a + t.get(j, k) * b + h[j][j] * x + h[j][k] * y);
-        p.torque[k] = p.torque[k] + (t.get(k, j) * a + t.get(k, k) * b + h[k][j] * x + h[k][k] * y);
+        p.torque[I] = tau[0];
+        p.torque[j] = p.torque[j] + (u_j * rest + t.get(j, j) * a + t.get(j, k) * b + h[j][j] * x + h[j][k] * y);
+        p.torque[k] = p.torque[k] + (u_k * rest + t.get(k, j) * a + t.get(k, k) * b + h[k][j] * x + h[k][k] * y);
         for n in 0..3 {
-            p.force[n] = p.force[n] + (h[j][n] * a + h[k][n] * b + m.get(n, j) * x + m.get(n, k) * y);
+            let moved = h[j][n] * a + h[k][n] * b + m.get(n, j) * x + m.get(n, k) * y;
+            p.force[n] = p.force[n] + (own[n] * rest + moved);
         }
     }
 
