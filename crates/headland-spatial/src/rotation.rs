@@ -20,7 +20,7 @@ impl<S: Scalar> Rotation<S> {
         Self([[i, o, o], [o, i, o], [o, o, i]])
     }
 
-    /// B is A turned by `angle` [rad] about one of its axes; the other entries are structural 0 and 1.
+    /// B is A turned by `angle` (rad) about one of its axes; the other entries are structural 0 and 1.
     #[inline]
     pub fn about(axis: Axis, angle: S) -> Self {
         let (sin, cos) = angle.sin_cos();
@@ -39,7 +39,7 @@ impl<S: Scalar> Rotation<S> {
         r
     }
 
-    /// B is A turned by `angle` [rad] about the *unit* vector `a`, which has the same components in both.
+    /// B is A turned by `angle` (rad) about the *unit* vector `a`, which has the same components in both.
     ///
     /// ```text
     /// R = cos φ 1 + sin φ [a]× + (1 − cos φ) a aᵀ

@@ -12,7 +12,7 @@ use super::joint::Joint;
 /// Say `At` where F's axes are the parent's: the recursions then need no rotation beyond the joint's own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Mount<S> {
-    /// F's origin in the parent's frame [m], axes parallel.
+    /// F's origin in the parent's frame (m), axes parallel.
     At(Vector<S>),
     /// `X_PF`.
     Pose(Pose<S>),

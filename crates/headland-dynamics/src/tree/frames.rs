@@ -23,13 +23,13 @@ impl<S: Scalar> Frames<S> {
         Self { poses: vec![Pose::identity(); tree.len()], twists: vec![Twist::zero(); tree.len()] }
     }
 
-    /// Kinetic energy [J].
+    /// Kinetic energy (J).
     pub fn kinetic_energy(&self, tree: &Tree<S>) -> S {
         let energies = tree.bodies().iter().zip(&self.twists).map(|(b, v)| b.inertia.kinetic_energy(*v));
         energies.fold(S::constant(0.0), |sum, e| sum + e)
     }
 
-    /// Potential energy [J] in the field `gravity` [m/s²], zero at the world's origin.
+    /// Potential energy (J) in the field `gravity` (m/s²), zero at the world's origin.
     pub fn potential_energy(&self, tree: &Tree<S>, gravity: Vector<S>) -> S {
         let energies =
             tree.bodies().iter().zip(&self.poses).map(|(b, x)| b.inertia.mass * gravity.dot(x.point(b.inertia.centre)));

@@ -8,12 +8,12 @@ use headland_spatial::{Axis, Pose, Quaternion, Rotation, Vector};
 /// | joint | q | u |
 /// |---|---|---|
 /// | `Fixed` | | |
-/// | `Revolute`, `RevoluteAbout` | angle [rad] | its rate |
-/// | `Prismatic`, `PrismaticAlong` | length [m] | its rate |
-/// | `Helical` | angle [rad] | its rate |
-/// | `Spherical` | quaternion w, x, y, z of M in F | angular velocity of M in F, in M's axes [rad/s] |
-/// | `Planar` | x, y [m], angle about z [rad] | their rates |
-/// | `Free` | position x, y, z of M in F [m], quaternion w, x, y, z | angular velocity in M's axes [rad/s], then rates of the position, in F's axes [m/s] |
+/// | `Revolute`, `RevoluteAbout` | angle (rad) | its rate |
+/// | `Prismatic`, `PrismaticAlong` | length (m) | its rate |
+/// | `Helical` | angle (rad) | its rate |
+/// | `Spherical` | quaternion w, x, y, z of M in F | angular velocity of M in F, in M's axes (rad/s) |
+/// | `Planar` | x, y (m), angle about z (rad) | their rates |
+/// | `Free` | position x, y, z of M in F (m), quaternion w, x, y, z | angular velocity in M's axes (rad/s), then rates of the position, in F's axes (m/s) |
 ///
 /// A free body spinning in space so has constant linear quasi-velocities, whatever its rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,7 +32,7 @@ pub enum Joint<S> {
     Helical {
         /// Axis of F and M.
         axis: Axis,
-        /// Way along the axis by angle [m/rad].
+        /// Way along the axis by angle (m/rad).
         pitch: S,
     },
     /// A ball joint.

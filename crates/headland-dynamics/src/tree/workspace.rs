@@ -12,7 +12,7 @@ use super::revolute::turned;
 /// Gravity and wrenches on bodies.
 #[derive(Clone, Copy, Debug)]
 pub struct Loads<'a, S> {
-    /// Acceleration of free fall in the world's axes [m/s²].
+    /// Acceleration of free fall in the world's axes (m/s²).
     pub gravity: Vector<S>,
     /// A wrench a body, at the origin of the body's frame in its axes; empty: none at all.
     pub wrenches: &'a [Wrench<S>],
