@@ -36,6 +36,7 @@ pub mod sample;
 pub mod scalar_inertia;
 pub mod solve;
 pub mod structures;
+pub mod tree;
 
 pub use derive::{Algorithm, DeriveOptions, Equations, choose_dependent, derive, derive_at};
 pub use energy::Energies;

@@ -13,18 +13,18 @@ use crate::wrench::Wrench;
 /// Inertia of a rigid body in a frame fixed to it.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Inertia<S> {
-    /// Mass [kg].
+    /// Mass (kg).
     pub mass: S,
-    /// Mass centre in the frame [m].
+    /// Mass centre in the frame (m).
     pub centre: Vector<S>,
-    /// Tensor about the *mass centre* in the frame's axes [kg·m²].
+    /// Tensor about the *mass centre* in the frame's axes (kg·m²).
     ///
     /// Entries of the matrix, so the products carry its sign: `xy = −∫ x y dm`.
     pub tensor: Symmetric<S>,
 }
 
 impl<S: Scalar> Inertia<S> {
-    /// From mass [kg], mass centre [m] and the tensor about the mass centre [kg·m²].
+    /// From mass (kg), mass centre (m) and the tensor about the mass centre (kg·m²).
     #[inline]
     pub fn new(mass: S, centre: Vector<S>, tensor: Symmetric<S>) -> Self {
         Self { mass, centre, tensor }
@@ -44,7 +44,7 @@ impl<S: Scalar> Inertia<S> {
     pub fn with_centre(self, centre: Vector<S>) -> Self {
         Self { centre, ..self }
     }
-    /// Tensor about the point `p` [m] of the frame, in the frame's axes (Steiner): `I_p = I_c + m (|d|² 1 − d dᵀ)`.
+    /// Tensor about the point `p` (m) of the frame, in the frame's axes (Steiner): `I_p = I_c + m (|d|² 1 − d dᵀ)`.
     #[inline]
     pub fn tensor_about(&self, p: Vector<S>) -> Symmetric<S> {
         self.tensor + Symmetric::of_point(self.mass, self.centre - p)
@@ -64,7 +64,7 @@ impl<S: Scalar> Inertia<S> {
         let force = v.at_point(self.centre) * self.mass;
         Wrench::new(self.tensor * v.angular + self.centre.cross(force), force)
     }
-    /// Kinetic energy [J] of the body moving with `v`.
+    /// Kinetic energy (J) of the body moving with `v`.
     #[inline]
     pub fn kinetic_energy(&self, v: Twist<S>) -> S {
         let centre = v.at_point(self.centre);
@@ -98,11 +98,11 @@ impl<S: Scalar> Add for Inertia<S> {
 /// Inertia about the frame's origin: sums without a division.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct OriginInertia<S> {
-    /// Mass m [kg].
+    /// Mass m (kg).
     pub mass: S,
-    /// First moment `h = m c` [kg·m].
+    /// First moment `h = m c` (kg·m).
     pub moment: Vector<S>,
-    /// Tensor about the origin [kg·m²].
+    /// Tensor about the origin (kg·m²).
     pub tensor: Symmetric<S>,
 }
 

@@ -12,7 +12,7 @@ use crate::vector::Vector;
 pub struct Pose<S> {
     /// `R_AB`.
     pub rotation: Rotation<S>,
-    /// B's origin in A, `p_AB` [m].
+    /// B's origin in A, `p_AB` (m).
     pub position: Vector<S>,
 }
 

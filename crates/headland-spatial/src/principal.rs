@@ -13,7 +13,7 @@ const TOLERANCE: f64 = 1e-9;
 /// Principal moments and axes about the mass centre.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Principal {
-    /// Moments [kg·m²], ascending.
+    /// Moments (kg·m²), ascending.
     pub moments: [f64; 3],
     /// `R_BP`: columns are the principal axes in the body frame; right-handed, the largest component of the first two
     /// positive.

@@ -22,7 +22,7 @@ impl<S: Scalar> Quaternion<S> {
     pub fn identity() -> Self {
         Self::new(S::constant(1.0), Vector::zero())
     }
-    /// Rotation by `angle` [rad] about the unit vector `a`.
+    /// Rotation by `angle` (rad) about the unit vector `a`.
     #[inline]
     pub fn about_unit(a: Vector<S>, angle: S) -> Self {
         let (sin, cos) = (angle * S::constant(0.5)).sin_cos();
@@ -60,7 +60,7 @@ impl<S: Scalar> Quaternion<S> {
     pub fn rotation(&self) -> Rotation<S> {
         Rotation::from_quaternion(*self)
     }
-    /// `q̇ = ½ q (0, ω)`, ω [rad/s] of B in A written in B's axes. Keeps `|q|`.
+    /// `q̇ = ½ q (0, ω)`, ω (rad/s) of B in A written in B's axes. Keeps `|q|`.
     #[inline]
     pub fn rate_from_body(&self, w: Vector<S>) -> Self {
         let [q0, q1, q2, q3] = self.0;
@@ -72,7 +72,7 @@ impl<S: Scalar> Quaternion<S> {
             q0 * c + q1 * b - q2 * a,
         ])
     }
-    /// `q̇ = ½ (0, ω) q`, ω [rad/s] of B in A written in A's axes. Keeps `|q|`.
+    /// `q̇ = ½ (0, ω) q`, ω (rad/s) of B in A written in A's axes. Keeps `|q|`.
     #[inline]
     pub fn rate_from_world(&self, w: Vector<S>) -> Self {
         let [q0, q1, q2, q3] = self.0;

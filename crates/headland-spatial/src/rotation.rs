@@ -20,7 +20,7 @@ impl<S: Scalar> Rotation<S> {
         Self([[i, o, o], [o, i, o], [o, o, i]])
     }
 
-    /// B is A turned by `angle` [rad] about one of its axes; the other entries are structural 0 and 1.
+    /// B is A turned by `angle` (rad) about one of its axes; the other entries are structural 0 and 1.
     #[inline]
     pub fn about(axis: Axis, angle: S) -> Self {
         let (sin, cos) = angle.sin_cos();
@@ -39,7 +39,7 @@ impl<S: Scalar> Rotation<S> {
         r
     }
 
-    /// B is A turned by `angle` [rad] about the *unit* vector `a`, which has the same components in both.
+    /// B is A turned by `angle` (rad) about the *unit* vector `a`, which has the same components in both.
     ///
     /// ```text
     /// R = cos φ 1 + sin φ [a]× + (1 − cos φ) a aᵀ
@@ -108,7 +108,8 @@ impl<S: Scalar> Rotation<S> {
     /// `v_A = R_AB v_B`.
     #[inline]
     pub fn apply(&self, v: Vector<S>) -> Vector<S> {
-        Vector(self.0.map(|row| Vector(row).dot(v)))
+        let [x, y, z] = self.0;
+        Vector([Vector(x).dot(v), Vector(y).dot(v), Vector(z).dot(v)])
     }
 
     /// `v_B = R_ABᵀ v_A`.

@@ -11,9 +11,9 @@ use crate::wrench::Wrench;
 /// `V = [ω; v]` of a body at the origin of a frame, in this frame's axes: rad/s and m/s. Accelerations are twists too.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Twist<S> {
-    /// Angular velocity ω [rad/s].
+    /// Angular velocity ω (rad/s).
     pub angular: Vector<S>,
-    /// Velocity of the body's point at the frame's origin [m/s].
+    /// Velocity of the body's point at the frame's origin (m/s).
     pub linear: Vector<S>,
 }
 
@@ -44,7 +44,7 @@ impl<S: Scalar> Twist<S> {
         let angular = x.rotation * self.angular;
         Self::new(angular, x.rotation * self.linear + x.position.cross(angular))
     }
-    /// Velocity of the body's point at `p` [m], in the frame's axes.
+    /// Velocity of the body's point at `p` (m), in the frame's axes.
     #[inline]
     pub fn at_point(self, p: Vector<S>) -> Vector<S> {
         self.linear + self.angular.cross(p)
@@ -67,7 +67,7 @@ impl<S: Scalar> Twist<S> {
     pub fn cross_wrench(self, f: Wrench<S>) -> Wrench<S> {
         Wrench::new(self.angular.cross(f.torque) + self.linear.cross(f.force), self.angular.cross(f.force))
     }
-    /// `τ · ω + f · v` [W].
+    /// `τ · ω + f · v` (W).
     #[inline]
     pub fn power(self, f: Wrench<S>) -> S {
         self.angular.dot(f.torque) + self.linear.dot(f.force)

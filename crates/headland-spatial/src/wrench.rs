@@ -10,9 +10,9 @@ use crate::vector::Vector;
 /// `F = [τ; f]`: torque about a frame's origin and force, in this frame's axes: N·m and N. Momenta are wrenches too.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Wrench<S> {
-    /// Torque about the frame's origin [N·m].
+    /// Torque about the frame's origin (N·m).
     pub torque: Vector<S>,
-    /// Force [N].
+    /// Force (N).
     pub force: Vector<S>,
 }
 
@@ -27,7 +27,7 @@ impl<S: Scalar> Wrench<S> {
     pub fn zero() -> Self {
         Self::new(Vector::zero(), Vector::zero())
     }
-    /// A force at the point `p` [m].
+    /// A force at the point `p` (m).
     #[inline]
     pub fn of_force(force: Vector<S>, p: Vector<S>) -> Self {
         Self::new(p.cross(force), force)
