@@ -11,7 +11,7 @@ use super::workspace::{Loads, Workspace};
 
 /// Jacobians of [`aba`](super::aba()) by dual numbers, as many directions at a time as `L` has lanes.
 ///
-/// Slower than [`aba_jacobian`] but independent of it: nothing is differentiated by hand.
+/// Slower than [`aba_jacobian`](super::aba_jacobian) but independent of it: nothing is differentiated by hand.
 #[derive(Clone, Debug)]
 pub struct LaneJacobian<L> {
     tree: Tree<Tangent<L>>,
