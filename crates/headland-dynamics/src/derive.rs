@@ -1,9 +1,10 @@
 //! [`derive()`]: a model to its equations of motion, by both algorithms where both are cheap.
 
 use headland_expr::{Dual, Expr, NodeId};
-use headland_model::{Body, ElementKind, LinearSolver, Model, StructureForm};
+use headland_model::tree::JointTree;
+use headland_model::{Body, Derived, ElementKind, LinearSolver, Model, StructureForm};
 
-use crate::combine::{derive_combined, does_not_apply};
+use crate::combine::{MOST_VELOCITIES, derive_combined, does_not_apply};
 use crate::compare::compare_derivations;
 use crate::direct::{MassForm, derive_direct};
 use crate::energy::{Energies, form_energies};
@@ -11,6 +12,7 @@ use crate::error::DeriveError;
 use crate::initial::assemble;
 use crate::kinematics::{Kinematics, solve_kinematics, velocity_inputs};
 use crate::reactions::form_derived;
+use crate::recursive::{accelerations, derive_recursive, joint_forces, tree_of};
 use crate::sample::first_not_finite;
 use crate::scalar_inertia::check_scalar_inertia;
 use crate::solve::{packed, solve_crout, solve_ldl, unpack};
@@ -92,14 +94,27 @@ pub fn derive_at(model: &Model, inputs: &[f64], options: &DeriveOptions) -> Resu
     let graph = &model.graph;
     let mass_diagonal = mass_diagonal(model, inputs);
     let kinematics = solve_kinematics(model, inputs, &mass_diagonal)?;
-    let structures = form_structures(model, &kinematics)?;
+    let n = kinematics.quasi.len();
+    let tree = tree_of(model, &kinematics);
+    let recursive = tree.filter(|_| n > options.unroll && options.algorithm == Algorithm::Cheaper);
+    let tells_reactions = model.derived.iter().any(|d| matches!(d.what, Derived::Reaction(_)));
+    let compared = options.compare && n <= MOST_VELOCITIES;
+    let structures = form_structures(model, &kinematics, recursive.is_none() || tells_reactions || compared)?;
     check_scalar_inertia(model, &kinematics, &structures)?;
-    let chosen = choose(model, &kinematics, &structures, options)?;
+    let tau = tree.map(|_| joint_forces(model, &kinematics, &structures));
+    let chosen = match recursive {
+        Some(tree) => {
+            choose_recursive(model, &kinematics, &structures, tree, &tau.clone().unwrap_or_default(), compared)?
+        }
+        None => choose(model, &kinematics, &structures, options)?,
+    };
     check_mass(model, &kinematics, &chosen.form, inputs)?;
 
-    let n = kinematics.quasi.len();
     let solver = model.run.linear_solver;
-    let accelerations = (n <= options.unroll || is_sparse(&chosen.form.m, n)).then(|| {
+    let by_bodies = tree.zip(tau).filter(|_| solver == LinearSolver::Ldl);
+    let by_bodies = by_bodies.map(|(tree, tau)| accelerations(model, &kinematics, tree, &tau));
+    let by_bodies = by_bodies.map(|es| es.into_iter().map(|e| graph.id(e)).collect::<Vec<_>>());
+    let solved = (n <= options.unroll || is_sparse(&chosen.form.m, n)).then(|| {
         let mut f = chosen.form.f.clone();
         match solver {
             _ if is_diagonal(&chosen.form.m, n) => {
@@ -108,8 +123,12 @@ pub fn derive_at(model: &Model, inputs: &[f64], options: &DeriveOptions) -> Resu
             LinearSolver::Ldl => solve_ldl(&mut chosen.form.m.clone(), &mut f),
             LinearSolver::Crout => solve_crout(&mut unpack(&chosen.form.m, n), &mut f),
         }
-        f.into_iter().map(|e| graph.id(e)).collect()
+        f.into_iter().map(|e| graph.id(e)).collect::<Vec<_>>()
     });
+    let accelerations = match (by_bodies, solved) {
+        (Some(a), Some(b)) => Some(if graph.operations(&a) < graph.operations(&b) { a } else { b }),
+        (a, b) => a.or(b),
+    };
     let ids = |es: &[Expr<'_>]| -> Vec<NodeId> { es.iter().map(|e| graph.id(*e)).collect() };
     let mut g = vec![Vec::with_capacity(n); kinematics.velocities.len()];
     for u in &kinematics.quasi {
@@ -150,6 +169,26 @@ struct Chosen<'g> {
     algorithm: &'static str,
     why: String,
     difference: Option<f64>,
+}
+
+/// Composite bodies, held against [10] where that is cheap.
+fn choose_recursive<'g>(
+    model: &'g Model,
+    kinematics: &Kinematics,
+    structures: &crate::structures::Structures<'g>,
+    tree: &JointTree,
+    tau: &[Expr<'g>],
+    compare: bool,
+) -> Result<Chosen<'g>, DeriveError> {
+    let form = derive_recursive(model, kinematics, tree, tau);
+    let difference = if compare {
+        let direct = derive_direct(kinematics, structures);
+        Some(compare_derivations(model, &direct, &form, structures)?)
+    } else {
+        None
+    };
+    let why = format!("{} velocities along a tree: sums over pairs of bodies would cost more", kinematics.quasi.len());
+    Ok(Chosen { form, algorithm: "recursive", why, difference })
 }
 
 fn is_diagonal(m: &[Expr<'_>], n: usize) -> bool {

@@ -32,6 +32,7 @@ pub mod initial;
 pub mod kinematics;
 pub mod present;
 pub mod reactions;
+pub mod recursive;
 pub mod sample;
 pub mod scalar_inertia;
 pub mod solve;

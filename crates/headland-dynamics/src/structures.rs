@@ -47,27 +47,36 @@ pub fn row_name(model: &Model, row: usize) -> &str {
     }
 }
 
-/// Forms all structures by the quasi-velocities.
+/// Forms all structures by the quasi-velocities. Without `bodies`, their rows of W and biases are left out: the recursive
+/// algorithms do not need them, and they are what grows with the square of a chain.
 ///
 /// # Errors
 /// A structure that is not linear in the quasi-velocities.
-pub fn form_structures<'g>(model: &'g Model, kinematics: &Kinematics) -> Result<Structures<'g>, DeriveError> {
+pub fn form_structures<'g>(
+    model: &'g Model,
+    kinematics: &Kinematics,
+    bodies: bool,
+) -> Result<Structures<'g>, DeriveError> {
     let graph = &model.graph;
     let flow = Flow::new(model, kinematics);
     let rate = rates(model, &flow);
     let rate_nodes: Vec<NodeId> = rate.iter().map(|e| graph.id(*e)).collect();
 
-    let mut w = vec![Vec::with_capacity(kinematics.quasi.len()); rate.len()];
-    for u in &kinematics.quasi {
+    let first = model.elements.len();
+    let left_out = if bodies { first..first } else { first..first + 6 * model.bodies.len() };
+    let wanted: Vec<usize> = (0..rate.len()).filter(|e| !left_out.contains(e)).collect();
+    let nodes: Vec<NodeId> = wanted.iter().map(|&e| rate_nodes[e]).collect();
+    let mut w = vec![Vec::new(); rate.len()];
+    for u in kinematics.quasi.iter().filter(|_| !nodes.is_empty()) {
         let input = model.input_index(u.u);
-        let column = graph.tangent(&rate_nodes, |i| (i == input).then_some(Expr::Const(1.0)));
-        for (row, entry) in w.iter_mut().zip(column) {
-            row.push(entry);
+        let column = graph.tangent(&nodes, |i| (i == input).then_some(Expr::Const(1.0)));
+        for (&e, entry) in wanted.iter().zip(column) {
+            w[e].push(entry);
         }
     }
     check_linear(model, kinematics, &w)?;
 
-    let bias = biases(model, &flow, &rate_nodes);
+    let bias = if bodies { biases(model, &flow, &rate_nodes) } else { vec![Expr::Const(0.0); rate.len()] };
     let mut s = Structures { force: vec![Expr::Const(0.0); rate.len()], rate, w, bias, ..Structures::default() };
     scalar_values(model, &flow, &mut s);
     for body in &model.bodies {
@@ -183,11 +192,12 @@ fn body_values<'g>(body: &Body, flow: &Flow<'g>, s: &mut Structures<'g>) {
 fn check_linear(model: &Model, kinematics: &Kinematics, w: &[Vec<Expr<'_>>]) -> Result<(), DeriveError> {
     let graph = &model.graph;
     let u_inputs: Vec<usize> = kinematics.quasi.iter().map(|u| model.input_index(u.u)).collect();
-    let all: Vec<NodeId> = w.iter().flatten().map(|e| graph.id(*e)).collect();
+    let rows = w.iter().enumerate().flat_map(|(e, row)| row.iter().map(move |entry| (e, graph.id(*entry))));
+    let (rows, all): (Vec<usize>, Vec<NodeId>) = rows.unzip();
     let depends = graph.depends(&all, |i| u_inputs.contains(&i));
     let Some(k) = depends.iter().position(|d| *d) else { return Ok(()) };
     let input = depends_on(model, all[k], &u_inputs).unwrap_or_default();
-    let what = format!("the structure of `{}`", row_name(model, k / kinematics.quasi.len().max(1)));
+    let what = format!("the structure of `{}`", row_name(model, rows[k]));
     Err(DeriveError::NotLinear { what, variables: "the quasi-velocities", input })
 }
 

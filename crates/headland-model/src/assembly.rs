@@ -8,6 +8,7 @@ mod closures;
 mod fields;
 mod forces;
 mod joints;
+mod links;
 mod motion;
 mod quantities;
 mod reactions;
@@ -72,6 +73,7 @@ pub(crate) struct Assembly<'s, 'g> {
     closing: Vec<usize>,
     /// Joints whose force is asked for, with their virtual displacements.
     virtuals: Vec<reactions::Virtual>,
+    links: links::Links<'g>,
     /// Torques of joints that close loops.
     closing_forces: Vec<(String, Reaction, bool)>,
 }
@@ -211,6 +213,7 @@ impl<'s, 'g> Builder<'s, 'g> {
         let Some((element, binding)) = self.assembly.frames[frame].element.clone() else { return Ok(()) };
         let Some(motion) = self.assembly.frames[frame].motion else { return Ok(()) };
         let (mass, centre, tensor) = self.inertia_fields(element, &binding)?;
+        self.link_inertia(frame, mass, centre, tensor);
         let c = motion.fixed(&Pose::at(centre));
         let graph = self.low.graph;
         let ids = |v: Vector<Expr<'g>>| v.0.map(|e| graph.id(e));
@@ -235,7 +238,7 @@ impl<'s, 'g> Builder<'s, 'g> {
     }
 
     fn world_gravity(&self) -> Vector<Expr<'g>> {
-        self.assembly.frames[0].motion.map_or(Vector::constant([0.0; 3]), |m| m.gravity)
+        self.motion(0).map_or(Vector::constant([0.0; 3]), |m| m.gravity)
     }
 
     /// Motion of a frame, once motions are built.

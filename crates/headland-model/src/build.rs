@@ -13,6 +13,7 @@ use crate::model::{
 use crate::place::{Diagnostic, ModelError, Place};
 use crate::scene::{Data, Scene, Value};
 use crate::symbols::{Binding, DefinitionKind, Formula, Symbol, member_name, parse_key};
+use crate::tree::JointTree;
 use crate::units::{parse_quantity, parse_unit};
 
 impl Scene {
@@ -58,6 +59,7 @@ pub(crate) struct Parts {
     pub(crate) bodies: Vec<Body>,
     pub(crate) loads: Vec<Load>,
     pub(crate) derived: Vec<DerivedQuantity>,
+    pub(crate) tree: Option<JointTree>,
     pub(crate) definitions: Vec<Quantity>,
     pub(crate) outputs: Vec<Quantity>,
     pub(crate) guards: Vec<Guard>,
@@ -89,6 +91,7 @@ impl Parts {
             bodies: self.bodies,
             loads: self.loads,
             derived: self.derived,
+            tree: self.tree,
             definitions: self.definitions,
             outputs: self.outputs,
             guards: self.guards,
@@ -154,6 +157,7 @@ impl<'s, 'g> Builder<'s, 'g> {
         self.array_lengths();
         self.warn();
         self.finish_reactions();
+        self.parts.tree = self.joint_tree();
     }
 
     /// The parsed value of an entry.

@@ -54,6 +54,7 @@ pub mod read;
 pub mod scene;
 mod start;
 pub mod symbols;
+pub mod tree;
 pub mod units;
 
 pub use model::{

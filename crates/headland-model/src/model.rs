@@ -4,6 +4,7 @@ use headland_expr::{Graph, NodeId};
 
 use crate::dimension::Dimension;
 use crate::place::{Diagnostic, Place, Source};
+use crate::tree::JointTree;
 
 /// A number that can change between runs without a new derivation.
 #[derive(Clone, Debug)]
@@ -362,6 +363,8 @@ pub struct Model {
     pub loads: Vec<Load>,
     /// Reactions, energies and powers that outputs use.
     pub derived: Vec<DerivedQuantity>,
+    /// The joints as a tree, where the bodies on it are all that has inertia.
+    pub tree: Option<JointTree>,
     /// Definitions that something uses, in order of use.
     pub definitions: Vec<Quantity>,
     /// Columns.

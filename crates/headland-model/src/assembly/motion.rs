@@ -31,6 +31,8 @@ pub(crate) struct Drive<'g> {
     pub(crate) value: Expr<'g>,
     pub(crate) rate: Expr<'g>,
     pub(crate) acceleration: Expr<'g>,
+    /// The coordinate that it is, and its sign; `None` for a given function of time.
+    pub(crate) of: Option<(usize, f64)>,
 }
 
 /// A part of a joint's motion.
@@ -41,17 +43,30 @@ pub(crate) enum Step<'g> {
     /// Shift along a unit vector.
     Slide(Vector<Expr<'g>>, Drive<'g>),
     /// Turn by a quaternion; angular velocity in the turned axes, and its rate.
-    Ball(Quaternion<Expr<'g>>, Vector<Expr<'g>>, Vector<Expr<'g>>),
+    Ball(Ball<'g>),
+}
+
+/// A free turn.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ball<'g> {
+    pub(crate) quaternion: Quaternion<Expr<'g>>,
+    /// Angular velocity in the turned axes.
+    pub(crate) spin: Vector<Expr<'g>>,
+    /// Rate of its components.
+    pub(crate) rate: Vector<Expr<'g>>,
+    /// Coordinates and quasi-velocities that these are, by position.
+    pub(crate) of: Option<([usize; 4], [usize; 3])>,
 }
 
 impl<'g> Drive<'g> {
     fn negated(self) -> Self {
-        Self { value: -self.value, rate: -self.rate, acceleration: -self.acceleration }
+        let of = self.of.map(|(i, sign)| (i, -sign));
+        Self { value: -self.value, rate: -self.rate, acceleration: -self.acceleration, of }
     }
 
     /// The drive times a constant.
     pub(crate) fn scaled(self, k: Expr<'g>) -> Self {
-        Self { value: self.value * k, rate: self.rate * k, acceleration: self.acceleration * k }
+        Self { value: self.value * k, rate: self.rate * k, acceleration: self.acceleration * k, of: None }
     }
 }
 
@@ -61,10 +76,11 @@ impl<'g> Step<'g> {
         match self {
             Step::Turn(axis, drive) => Step::Turn(axis, drive.negated()),
             Step::Slide(axis, drive) => Step::Slide(axis, drive.negated()),
-            Step::Ball(q, w, rate) => {
+            Step::Ball(ball) => {
                 // d(R w)/dt = R w′, for w × w = 0
-                let r = Rotation::from_quaternion(q);
-                Step::Ball(q.conjugate(), -r.apply(w), -r.apply(rate))
+                let r = Rotation::from_quaternion(ball.quaternion);
+                let (spin, rate) = (-r.apply(ball.spin), -r.apply(ball.rate));
+                Step::Ball(Ball { quaternion: ball.quaternion.conjugate(), spin, rate, of: None })
             }
         }
     }
@@ -128,7 +144,7 @@ impl<'g> Motion<'g> {
                 let (w, rate) = (*axis * drive.rate, *axis * drive.acceleration);
                 self.turn(&about(*axis, drive.value), w, rate)
             }
-            Step::Ball(q, w, rate) => self.turn(&Rotation::from_quaternion(*q), *w, *rate),
+            Step::Ball(ball) => self.turn(&Rotation::from_quaternion(ball.quaternion), ball.spin, ball.rate),
         }
     }
 

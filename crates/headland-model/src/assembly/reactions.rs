@@ -62,7 +62,7 @@ impl<'g> Builder<'_, 'g> {
             let (value, rate) = (input(""), input("'"));
             let mut axis = [0.0; 3];
             axis[k % 3] = 1.0;
-            let drive = Drive { value: graph.expr(value), rate: graph.expr(rate), acceleration: number(0.0) };
+            let drive = Drive { value: graph.expr(value), rate: graph.expr(rate), acceleration: number(0.0), of: None };
             let axis = Vector::constant(axis);
             steps.push(if torque { Step::Turn(axis, drive) } else { Step::Slide(axis, drive) });
             (value, rate)

@@ -7,7 +7,7 @@ use headland_expr::{Expr, NodeId};
 use headland_spatial::{Pose, Quaternion, Vector};
 
 use super::joints::{Freedom, JointKind};
-use super::motion::{Drive, Step};
+use super::motion::{Ball, Drive, Step};
 use super::{Carrier, JointEntry, number};
 use crate::build::{Builder, Made};
 use crate::dimension::Dimension;
@@ -230,9 +230,12 @@ impl<'s, 'g> Builder<'s, 'g> {
         let (near, near_pose) = self.joint_frame(j, reversed)?;
         let (far, far_pose) = self.joint_frame(j, !reversed)?;
         let mut steps = self.steps(j)?;
+        let turn_round = |steps: Vec<Step<'g>>| steps.into_iter().rev().map(Step::reversed).collect();
+        let own: Vec<Step<'g>> = if reversed { turn_round(steps.clone()) } else { steps.clone() };
+        self.hang(near, &near_pose, &own, far, &far_pose.inverse());
         steps.extend(self.virtual_steps(j));
         if reversed {
-            steps = steps.into_iter().rev().map(Step::reversed).collect();
+            steps = turn_round(steps);
         }
         let Some(base) = self.motion(near) else { return Err(Reported) };
         let joint = steps.iter().fold(base.fixed(&near_pose), |motion, step| motion.step(step));
@@ -311,13 +314,14 @@ impl<'s, 'g> Builder<'s, 'g> {
             let mut derivative = |n| {
                 self.low.time_derivative(value, n).map_err(|m| self.low.report(place.clone(), format!("`{full}`: {m}")))
             };
-            return Ok(Drive { value, rate: derivative(1)?, acceleration: derivative(2)? });
+            return Ok(Drive { value, rate: derivative(1)?, acceleration: derivative(2)?, of: None });
         }
         match self.low.symbols.by_name.get(family.as_str()) {
             Some(Symbol::Coordinate(members)) if members.get(member).is_some() => {
-                let c = &self.low.coordinates[members.get(member).unwrap_or_default()];
+                let i = members.get(member).unwrap_or_default();
+                let c = &self.low.coordinates[i];
                 let [value, rate, acceleration] = [c.q, c.rate, c.acceleration].map(|n| graph.expr(n));
-                Ok(Drive { value, rate, acceleration })
+                Ok(Drive { value, rate, acceleration, of: Some((i, 1.0)) })
             }
             _ => Err(Reported),
         }
@@ -338,10 +342,12 @@ impl<'s, 'g> Builder<'s, 'g> {
             *slot = (i, graph.expr(self.low.coordinates[i].q));
         }
         let mut w: [(NodeId, NodeId); 3] = [(self.low.time, self.low.time); 3];
-        for (slot, part) in w.iter_mut().zip(["wx", "wy", "wz"]) {
+        let mut places = [0; 3];
+        for ((slot, place), part) in w.iter_mut().zip(&mut places).zip(["wx", "wy", "wz"]) {
             let (family, member, _) = self.part_name(j, part)?;
             if let Some(Symbol::QuasiVelocity(members)) = self.low.symbols.by_name.get(family.as_str()) {
-                let u = &self.low.quasi_velocities[members.get(member).unwrap_or_default()];
+                *place = members.get(member).unwrap_or_default();
+                let u = &self.low.quasi_velocities[*place];
                 *slot = (u.u, u.acceleration);
             }
         }
@@ -352,6 +358,7 @@ impl<'s, 'g> Builder<'s, 'g> {
             let name = format!("{}'", self.low.coordinates[*i].name);
             self.parts.kinematics.push(KinematicRow::new(name, &place, RowForm::Rate(*i, graph.id(e))));
         }
-        Ok(Step::Ball(quaternion, spin, Vector(w.map(|(_, a)| graph.expr(a)))))
+        let of = Some((q.map(|(i, _)| i), places));
+        Ok(Step::Ball(Ball { quaternion, spin, rate: Vector(w.map(|(_, a)| graph.expr(a))), of }))
     }
 }
