@@ -10,7 +10,7 @@ use crate::direct::{MassForm, derive_direct};
 use crate::energy::{Energies, form_energies};
 use crate::error::DeriveError;
 use crate::initial::assemble;
-use crate::kinematics::{Kinematics, solve_kinematics, velocity_inputs};
+use crate::kinematics::{Kinematics, by_quasi_velocities, solve_kinematics, velocity_inputs};
 use crate::reactions::form_derived;
 use crate::recursive::{accelerations, derive_recursive, joint_forces, tree_of};
 use crate::sample::first_not_finite;
@@ -60,6 +60,8 @@ pub struct Equations {
     pub force: Vec<NodeId>,
     /// `u′` unrolled, where there are few quasi-velocities.
     pub accelerations: Option<Vec<NodeId>>,
+    /// Joint forces `Σ Wᵀ P` by quasi-velocities where the recursive algorithms apply.
+    pub joint_forces: Option<Vec<NodeId>>,
     /// Rates of the structures, one a row: scalar elements, six a body, three a load.
     pub structure_rates: Vec<NodeId>,
     /// Structural matrices, in the same order.
@@ -111,6 +113,8 @@ pub fn derive_at(model: &Model, inputs: &[f64], options: &DeriveOptions) -> Resu
     check_mass(model, &kinematics, &chosen.form, inputs)?;
 
     let solver = model.run.linear_solver;
+    let forces =
+        tau.as_ref().filter(|_| solver == LinearSolver::Ldl).map(|tau| tau.iter().map(|e| graph.id(*e)).collect());
     let by_bodies = tree.zip(tau).filter(|_| solver == LinearSolver::Ldl);
     let by_bodies = by_bodies.map(|(tree, tau)| accelerations(model, &kinematics, tree, &tau));
     let by_bodies = by_bodies.map(|es| es.into_iter().map(|e| graph.id(e)).collect::<Vec<_>>());
@@ -130,14 +134,7 @@ pub fn derive_at(model: &Model, inputs: &[f64], options: &DeriveOptions) -> Resu
         (a, b) => a.or(b),
     };
     let ids = |es: &[Expr<'_>]| -> Vec<NodeId> { es.iter().map(|e| graph.id(*e)).collect() };
-    let mut g = vec![Vec::with_capacity(n); kinematics.velocities.len()];
-    for u in &kinematics.quasi {
-        let input = model.input_index(u.u);
-        let column = graph.tangent(&kinematics.velocities, |i| (i == input).then_some(Expr::Const(1.0)));
-        for (row, e) in g.iter_mut().zip(column) {
-            row.push(graph.id(e));
-        }
-    }
+    let g = by_quasi_velocities(model, &kinematics.quasi, &kinematics.velocities);
     let energies = form_energies(model, &kinematics, &structures);
     Ok(Equations {
         derived: form_derived(model, &kinematics, &structures, &energies),
@@ -145,6 +142,7 @@ pub fn derive_at(model: &Model, inputs: &[f64], options: &DeriveOptions) -> Resu
         mass: ids(&chosen.form.m),
         force: ids(&chosen.form.f),
         accelerations,
+        joint_forces: forces,
         structure_rates: ids(&structures.rate),
         structure_matrix: structures.w.iter().map(|row| ids(row)).collect(),
         energies,

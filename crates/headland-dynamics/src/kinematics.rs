@@ -177,24 +177,45 @@ fn drift(model: &Model, velocities: &[NodeId], solved: &Solved) -> Vec<NodeId> {
         .collect()
 }
 
+/// `∂nodes/∂u`, one row a node. What is a quasi-velocity itself costs nothing.
+pub(crate) fn by_quasi_velocities(model: &Model, quasi: &[Quasi], nodes: &[NodeId]) -> Vec<Vec<NodeId>> {
+    let graph = &model.graph;
+    let (zero, one) = (graph.id(Expr::Const(0.0)), graph.id(Expr::Const(1.0)));
+    let mut rows = vec![vec![zero; quasi.len()]; nodes.len()];
+    let itself = |node: &NodeId| quasi.iter().position(|u| u.u == *node);
+    let rest: Vec<usize> = (0..nodes.len()).filter(|&v| itself(&nodes[v]).is_none()).collect();
+    for (v, row) in rows.iter_mut().enumerate() {
+        if let Some(k) = itself(&nodes[v]) {
+            row[k] = one;
+        }
+    }
+    let others: Vec<NodeId> = rest.iter().map(|&v| nodes[v]).collect();
+    let wanted: Vec<NodeId> = quasi.iter().map(|u| u.u).collect();
+    for (i, k, e) in graph.jacobian(&others, &wanted) {
+        rows[rest[i]][k] = graph.id(e);
+    }
+    rows
+}
+
 /// `G` must not contain velocities.
 fn check_linear(model: &Model, quasi: &[Quasi], velocities: &[NodeId]) -> Result<(), DeriveError> {
     let graph = &model.graph;
     let u_inputs: Vec<usize> = quasi.iter().map(|u| model.input_index(u.u)).collect();
-    for u in &u_inputs {
-        let column = graph.tangent(velocities, |i| (i == *u).then_some(Expr::Const(1.0)));
-        let nodes: Vec<NodeId> = column.into_iter().map(|g| graph.id(g)).collect();
-        let depends = graph.depends(&nodes, |i| u_inputs.contains(&i));
-        if let Some(i) = depends.iter().position(|d| *d) {
-            let what = match model.coordinates.get(i) {
-                Some(c) => format!("the rate of `{}`", c.name),
-                None => format!("`{}`", velocity_name(model, i)),
-            };
-            let input = depends_on(model, nodes[i], &u_inputs).unwrap_or_default();
-            return Err(DeriveError::NotLinear { what, variables: "the quasi-velocities", input });
-        }
+    let rows = by_quasi_velocities(model, quasi, velocities);
+    let mut entries: Vec<(usize, NodeId)> = Vec::new();
+    for (v, row) in rows.iter().enumerate() {
+        entries.extend(row.iter().filter(|e| graph.constant_value(**e).is_none()).map(|e| (v, *e)));
     }
-    Ok(())
+    let nodes: Vec<NodeId> = entries.iter().map(|(_, e)| *e).collect();
+    let depends = graph.depends(&nodes, |i| u_inputs.contains(&i));
+    let Some(k) = depends.iter().position(|d| *d) else { return Ok(()) };
+    let (i, node) = entries[k];
+    let what = match model.coordinates.get(i) {
+        Some(c) => format!("the rate of `{}`", c.name),
+        None => format!("`{}`", velocity_name(model, i)),
+    };
+    let input = depends_on(model, node, &u_inputs).unwrap_or_default();
+    Err(DeriveError::NotLinear { what, variables: "the quasi-velocities", input })
 }
 
 /// The name of one of the inputs on which a node depends.

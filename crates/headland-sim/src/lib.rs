@@ -22,6 +22,7 @@
 
 pub mod balance;
 pub mod functions;
+pub mod loops;
 pub mod options;
 pub mod project;
 mod record;

@@ -75,7 +75,7 @@ pub fn run(model: &Model, options: &RunOptions, observer: &mut dyn Observer) -> 
         run_s: times[0],
         run_s_median: median,
         operations: system.operations(),
-        evaluator: "tape",
+        evaluator: system.evaluator(),
         algorithm: equations.algorithm,
         algorithm_why: equations.why.clone(),
         energy_balance: ending.energy_balance,

@@ -12,6 +12,7 @@ use headland_expr::{Expr, Graph, NodeId};
 use headland_model::{LinearSolver, Model, RowForm};
 use headland_solve::{EvalFailure, OdeProblem, Pattern};
 
+use crate::loops::{LoopScratch, Loops};
 use crate::project::{Positions, Projector};
 
 /// An event function of the system.
@@ -49,6 +50,7 @@ pub struct System {
     unrolled: bool,
     linear_solver: LinearSolver,
     rhs: TapeFunction,
+    loops: Option<Loops>,
     jacobian: OnceCell<(Jacobian<TapeFunction>, Pattern)>,
     /// Columns.
     pub outputs: Compiled,
@@ -103,6 +105,8 @@ impl System {
         let energies = Self::energy_nodes(equations, &graph, &copy);
 
         let plain = |nodes: &[NodeId]| TapeFunction::compile(&graph, nodes);
+        let loops = Loops::new(model, equations, &kinematics);
+        let by_loops = loops.as_ref().map(|l| [&rhs_roots[..nq], &copy.nodes(&l.forces)].concat());
         let compile = |nodes: &[NodeId]| {
             let reads = graph.depends(nodes, |input| input > nq + nu);
             Compiled { function: plain(nodes), reads_accelerations: reads.contains(&true) }
@@ -113,7 +117,8 @@ impl System {
             names: names.collect(),
             nq,
             nu,
-            rhs: plain(&rhs_roots),
+            rhs: plain(by_loops.as_ref().unwrap_or(&rhs_roots)),
+            loops,
             outputs: compile(&outputs),
             energies: compile(&energies),
             guards: compile(&guards),
@@ -179,9 +184,14 @@ impl System {
         self.len() == 0
     }
 
-    /// Operations of one evaluation of the right-hand side.
+    /// Operations of one evaluation of the right-hand side; with loops over bodies those of the forces alone.
     pub fn operations(&self) -> usize {
         self.rhs.operations()
+    }
+
+    /// How the right-hand side is evaluated.
+    pub fn evaluator(&self) -> &'static str {
+        if self.loops.is_some() { "loops" } else { "tape" }
     }
 
     /// What the right-hand side is made of, as nodes of [`Self::graph`]: rates, then u′ or (lower triangle of M, F).
@@ -281,6 +291,7 @@ pub struct Problem {
     jacobian: Option<TapeEvaluator>,
     events: TapeEvaluator,
     projector: Projector,
+    loops: Option<LoopScratch>,
     x: Vec<f64>,
     mass: Vec<f64>,
     force: Vec<f64>,
@@ -300,6 +311,7 @@ impl Problem {
             jacobian: None,
             events: system.events.evaluator(),
             projector: system.positions.projector(),
+            loops: system.loops.as_ref().map(Loops::scratch),
             x: vec![0.0; 1 + system.len() + system.nu],
             mass: Vec::new(),
             force: Vec::new(),
@@ -365,7 +377,10 @@ impl OdeProblem for Problem {
         let system = self.system.clone();
         let (nq, nu) = (system.nq, system.nu);
         let out = self.rhs.eval(&self.x);
-        if system.unrolled {
+        if let (Some(loops), Some(scratch)) = (&system.loops, &mut self.loops) {
+            dy[..nq].copy_from_slice(&out[..nq]);
+            loops.accelerations(scratch, y, nq, &out[nq..], &mut dy[nq..]);
+        } else if system.unrolled {
             dy.copy_from_slice(out);
         } else {
             dy[..nq].copy_from_slice(&out[..nq]);
@@ -385,7 +400,9 @@ impl OdeProblem for Problem {
     }
 
     fn pattern(&self) -> Option<&Pattern> {
-        self.exact_jacobian.then(|| &self.system.jacobian().1)
+        // the symbolic Jacobian of a long recursion costs more than differences
+        let wanted = self.exact_jacobian && (self.system.loops.is_none() || self.system.nu <= 16);
+        wanted.then(|| &self.system.jacobian().1)
     }
 
     fn jacobian(&mut self, t: f64, y: &[f64], values: &mut [f64]) -> Result<(), EvalFailure> {
