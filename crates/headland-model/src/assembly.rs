@@ -74,11 +74,13 @@ pub(crate) struct Assembly<'s, 'g> {
     /// Joints whose force is asked for, with their virtual displacements.
     virtuals: Vec<reactions::Virtual>,
     links: links::Links<'g>,
+    /// Mass, momentum and the like of all bodies.
+    total: quantities::Total<'g>,
     /// Torques of joints that close loops.
     closing_forces: Vec<(String, Reaction, bool)>,
 }
 
-const SECTIONS: [&str; 6] = ["body", "frame", "joint", "rolling", "skate", "spring"];
+const SECTIONS: [&str; 7] = ["body", "frame", "joint", "rolling", "skate", "spring", "bushing"];
 
 impl<'s, 'g> Builder<'s, 'g> {
     /// Declares bodies, frames, joints and their coordinates.
@@ -206,6 +208,9 @@ impl<'s, 'g> Builder<'s, 'g> {
         for element in self.scene.section_elements("spring") {
             let _ = self.spring(element);
         }
+        for element in self.scene.section_elements("bushing") {
+            let _ = self.bushing(element);
+        }
     }
 
     /// Mass, centre and tensor of a body as an element of equation (7).
@@ -224,6 +229,7 @@ impl<'s, 'g> Builder<'s, 'g> {
         let potential = -(self.world_gravity().dot(c.position) * mass);
         let weight = gravity * mass;
         let Symmetric(entries) = tensor;
+        self.assembly.total.add(mass, &c, tensor);
         self.parts.bodies.push(Body {
             name: self.assembly.frames[frame].name.clone(),
             mass: graph.id(mass),

@@ -271,6 +271,23 @@ pub const SECTIONS: &[Section] = &[
         "knife edges and axles that do not slip sideways",
     ),
     elements(
+        "bushing",
+        &[
+            NAME,
+            FROM,
+            TO,
+            AT,
+            RPY,
+            TO_AT,
+            key("to_rpy", Kind::Expressions, false, "orientation on `to`"),
+            key("stiffness", Kind::Expressions, false, "[x, y, z] along the axes of the frame on `from`"),
+            key("damping", Kind::Expressions, false, "[x, y, z] along these axes"),
+            key("turn_stiffness", Kind::Expressions, false, "[x, y, z] by the angles of R = Rx Ry Rz"),
+            key("turn_damping", Kind::Expressions, false, "[x, y, z] by the rates of these angles"),
+        ],
+        "springs and dampers along and about three axes: supports, bushings",
+    ),
+    elements(
         "spring",
         &[
             NAME,

@@ -69,6 +69,8 @@ pub struct Lowering<'g> {
     pub made: Vec<Made>,
     /// What the equations can tell, by name, with its dimension; known when outputs are made.
     pub(crate) derived_names: FxHashMap<String, (Derived, Dimension)>,
+    /// Sums over all bodies, by name.
+    pub(crate) totals: Vec<(String, Typed<'g>)>,
     /// Those that were used.
     pub(crate) derived: Vec<DerivedQuantity>,
     /// Motions of the frames, once they are known.
@@ -120,6 +122,7 @@ impl<'g> Lowering<'g> {
             frames: Vec::new(),
             derived_names: FxHashMap::default(),
             derived: Vec::new(),
+            totals: Vec::new(),
         }
     }
 
@@ -393,6 +396,13 @@ impl<'g> Lowering<'g> {
         let (_, part) = name.split_once('.')?;
         let member = index.map_or(Ok(0), |i| self.symbols.index_value(i, bindings)).ok()?;
         let full = member_name(name, member);
+        if let Some((_, total)) = self.totals.iter().find(|(name, _)| *name == full) {
+            let total = total.clone();
+            return Some(match self.time_derivative(total.expr, primes) {
+                Ok(expr) => Ok(Typed { expr, dimension: per_time(&total.dimension, primes), ..total }),
+                Err(message) => Err(self.report(place.clone(), format!("`{full}`: {message}"))),
+            });
+        }
         let Some((what, dimension)) = self.derived_names.get(&full).cloned() else {
             let known = ["fx", "fy", "fz", "tx", "ty", "tz", "force", "power", "kinetic_energy", "potential_energy"];
             if !known.contains(&part) || self.symbols.by_name.contains_key(name) {

@@ -9,7 +9,7 @@
 //! R_AB″ = R_AB ([w]×[w]× + [w′]×),   w′ = w_B′ − R_ABᵀ w_A′ + w × R_ABᵀ w_A
 //! ```
 
-use headland_expr::Expr;
+use headland_expr::{Expr, Scalar};
 use headland_spatial::{Pose, Rotation, Vector};
 
 use super::motion::Motion;
@@ -145,6 +145,13 @@ impl<'g> Relative<'g> {
     /// A component of `d`.
     pub(super) fn distance(&self, i: usize) -> Row<'g> {
         [self.d[i], self.d_rate[i], self.d_second[i]]
+    }
+
+    /// Cardan's angles of B in A, `R = Rx(a) Ry(b) Rz(c)`: each is the angle where only that one turns.
+    pub(super) fn angles(&self) -> [Expr<'g>; 3] {
+        let r = &self.r.0;
+        let level = (r[0][0] * r[0][0] + r[0][1] * r[0][1]).sqrt();
+        [(-r[1][2]).atan2(r[2][2]), r[0][2].atan2(level), (-r[0][1]).atan2(r[0][0])]
     }
 
     /// By how much the entry `e_i · R e_k` grows with a turn of B about its axis m.

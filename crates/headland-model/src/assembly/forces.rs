@@ -3,6 +3,7 @@
 use headland_expr::Expr;
 use headland_spatial::{Pose, Vector};
 
+use super::closures::Relative;
 use super::number;
 use crate::build::{Builder, Made, bound_name};
 use crate::depend::Kinds;
@@ -58,6 +59,65 @@ impl<'g> Builder<'_, 'g> {
             }
         }
         Ok(())
+    }
+
+    /// Springs and dampers along and about the three axes of a frame on `from`.
+    pub(super) fn bushing(&mut self, element: &SceneElement) -> Made<()> {
+        let name = self.text_field(element, "name")?;
+        for binding in self.bindings_of(element)? {
+            let full = bound_name(&name, &binding);
+            let mut ends = Vec::new();
+            for (frame, at, rpy) in [("from", "at", "rpy"), ("to", "to_at", "to_rpy")] {
+                let default = if frame == "from" { Some(0) } else { None };
+                let frame = self.frame_field(element, frame, &binding, default)?;
+                let pose = self.pose_field(element, at, rpy, &binding)?;
+                let Some(motion) = self.motion(frame) else { return Err(Reported) };
+                ends.push(motion.fixed(&pose));
+            }
+            let relative = Relative::new(&ends[0], &ends[1]);
+            let angles = relative.angles();
+            let keys = [
+                ("stiffness", ElementKind::Elastic, Dimension::of(1, 0, -2), false),
+                ("damping", ElementKind::Dissipative, Dimension::of(1, 0, -1), false),
+                ("turn_stiffness", ElementKind::Elastic, dimension(NEWTON_METRE), true),
+                ("turn_damping", ElementKind::Dissipative, Dimension::of(1, 2, -1), true),
+            ];
+            for (key, kind, dimension, turns) in keys {
+                let values = self.vector_field(element, key, &binding, &dimension, false)?;
+                for i in (0..3).filter(|i| !values[*i].is(0.0)) {
+                    let name = format!("{full}.{}{}", if turns { "t" } else { "" }, ["x", "y", "z"][i]);
+                    if turns {
+                        self.add_turned(element, &name, kind, values[i], angles[i]);
+                    } else {
+                        let [d, rate, _] = relative.distance(i);
+                        self.add_scalar(
+                            element,
+                            &name,
+                            kind,
+                            values[i],
+                            if kind == ElementKind::Elastic { d } else { rate },
+                            rate,
+                        );
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// A spring or damper on an angle, whose rate is its derivative.
+    fn add_turned(&mut self, element: &SceneElement, name: &str, kind: ElementKind, value: Expr<'g>, angle: Expr<'g>) {
+        let graph = self.low.graph;
+        self.parts.elements.push(Element {
+            name: name.into(),
+            kind,
+            value: graph.id(value),
+            form: StructureForm::Geometric,
+            structure: graph.id(angle),
+            rate: None,
+            place: element.place.clone(),
+            unit: if kind == ElementKind::Elastic { "N*m" } else { "N*m*s" }.into(),
+        });
     }
 
     fn add_scalar(

@@ -1,7 +1,7 @@
 //! What expressions can ask of a body or frame: `trailer[2].x`, `wheel.wy`, `fork.yaw`.
 
 use headland_expr::{Expr, Scalar};
-use headland_spatial::Vector;
+use headland_spatial::{Symmetric, Vector};
 
 use super::motion::Motion;
 use crate::build::Builder;
@@ -53,6 +53,47 @@ impl Builder<'_, '_> {
     /// Hands the motions of the frames to the lowering of expressions.
     pub(crate) fn publish_frames(&mut self) {
         self.low.frames = self.assembly.frames.iter().map(|f| f.motion).collect();
+        self.low.totals = self.assembly.total.quantities();
+    }
+}
+
+/// Sums over all bodies.
+pub(crate) struct Total<'g> {
+    mass: Expr<'g>,
+    moment: Vector<Expr<'g>>,
+    momentum: Vector<Expr<'g>>,
+    angular: Vector<Expr<'g>>,
+}
+
+impl Default for Total<'_> {
+    fn default() -> Self {
+        let zero = Vector::constant([0.0; 3]);
+        Self { mass: Expr::constant(0.0), moment: zero, momentum: zero, angular: zero }
+    }
+}
+
+impl<'g> Total<'g> {
+    /// One more body, by the motion of its mass centre.
+    pub(super) fn add(&mut self, mass: Expr<'g>, centre: &Motion<'g>, tensor: Symmetric<Expr<'g>>) {
+        let momentum = centre.velocity_in_world() * mass;
+        self.mass = self.mass + mass;
+        self.moment = self.moment + centre.position * mass;
+        self.momentum = self.momentum + momentum;
+        let spin = centre.rotation.apply(tensor * centre.spin);
+        self.angular = self.angular + centre.position.cross(momentum) + spin;
+    }
+
+    /// `system.mass`, `system.x` (mass centre), `system.px` (momentum), `system.lx` (angular momentum about the world's
+    /// origin).
+    pub(super) fn quantities(&self) -> Vec<(String, Typed<'g>)> {
+        let typed = |expr, dimension| Typed { expr, ..Typed::number(0.0, dimension) };
+        let mut all = vec![("system.mass".to_string(), typed(self.mass, Dimension::of(1, 0, 0)))];
+        for (i, axis) in ["x", "y", "z"].into_iter().enumerate() {
+            all.push((format!("system.{axis}"), typed(self.moment[i] / self.mass, Dimension::of(0, 1, 0))));
+            all.push((format!("system.p{axis}"), typed(self.momentum[i], Dimension::of(1, 1, -1))));
+            all.push((format!("system.l{axis}"), typed(self.angular[i], Dimension::of(1, 2, -1))));
+        }
+        all
     }
 }
 

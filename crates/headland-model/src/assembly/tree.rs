@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use headland_expr::parse::suggestion;
-use headland_expr::{Expr, NodeId};
+use headland_expr::{Expr, NodeId, Scalar};
 use headland_spatial::{Pose, Quaternion, Vector};
 
 use super::joints::{Freedom, JointKind};
@@ -12,7 +12,7 @@ use super::{Carrier, JointEntry, number};
 use crate::build::{Builder, Made};
 use crate::dimension::Dimension;
 use crate::lower::{Reported, per_time};
-use crate::model::{KinematicRow, RowForm};
+use crate::model::{Guard, KinematicRow, RowForm};
 use crate::scene::Element as SceneElement;
 use crate::scene::{Data, Value};
 use crate::symbols::{Binding, Members, Symbol};
@@ -274,12 +274,32 @@ impl<'s, 'g> Builder<'s, 'g> {
         };
         if kind.is_ball() && by_angles {
             for (part, axis) in [("yaw", z), ("pitch", y), ("roll", x)] {
-                steps.push(Step::Turn(axis, self.drive(j, part)?));
+                let drive = self.drive(j, part)?;
+                if part == "pitch" && drive.of.is_some() {
+                    self.guard_pitch(j, drive.value);
+                }
+                steps.push(Step::Turn(axis, drive));
             }
         } else if kind.is_ball() {
             steps.push(self.ball(j)?);
         }
         Ok(steps)
+    }
+
+    /// Roll and yaw turn about the same axis where the pitch is a right angle.
+    fn guard_pitch(&mut self, j: usize, pitch: Expr<'g>) {
+        let name = &self.assembly.joints[j].name;
+        self.parts.guards.push(Guard {
+            name: format!("cos({name}.pitch)"),
+            quantity: self.low.graph.id(pitch.cos()),
+            unit: String::new(),
+            warn_below: Some(0.02),
+            stop_below: Some(1e-5),
+            message: format!(
+                "gimbal lock: at a pitch of 90 deg roll and yaw of `{name}` turn about the same axis and their rates have \
+                 no bounds; `orientation = \"quaternion\"` has no such place"
+            ),
+        });
     }
 
     /// Advance of a screw per radian.
