@@ -127,6 +127,26 @@ pub(crate) const CASES: &[Case] = &[
         source: "bicycle.json: benchmark bicycle, nonlinear, quad precision, confirmed by maximal coordinates",
         ..Case::USUAL
     },
+    Case {
+        name: "bicycle_basu_mandal",
+        scene: model!("bicycle"),
+        // The input of the published point in the scene's angles: its frame has x ahead, y down, z to the left and goes
+        // along -x; R = Rz(theta) Rx(psi) Rz(phi) of it is Rz(yaw) Ry(pitch) Rx(roll) of ours.
+        set: &[
+            ("yaw0", "3.1323535692389224"),
+            ("roll0", "0.6207267384858376"),
+            ("steer0", "0.2311385135743"),
+            ("v", "2.674027811354255"),
+            ("roll_rate", "-0.6067777677365546"),
+            ("steer_rate", "0.4859824687093"),
+        ],
+        columns: &["R.vx", "R.vy", "R.vz", "front'", "R.ax", "R.ay", "R.az", "steer''", "rear''", "front''"],
+        allowed: 1e-12, // as published: 13 decimals
+        expected: basu_mandal,
+        bite: ("IFyy", "0.2828"),
+        source: "bicycle.json: Basu-Mandal, Chatterjee, Papadopoulos 2007, Table 1",
+        ..Case::USUAL
+    },
 ];
 
 /// Position and angular velocity of a body, axes of the world, and the axis of the body that the file calls d.
@@ -203,4 +223,25 @@ fn bicycle() -> Vec<Expected> {
         ],
     ));
     list
+}
+
+/// Velocities that follow from the given ones, and accelerations; x, y, z of the rear wheel's centre.
+fn basu_mandal() -> Vec<Expected> {
+    let file = reference!("bicycle");
+    let at = |place: &str, key: &str, column: &str| {
+        Expected::at(0.0, column, file.number(&format!("/basu_mandal_nonlinear_point/{place}/{key}")))
+    };
+    vec![
+        at("input", "xd", "R.vx"),
+        at("input", "yd", "R.vy"),
+        at("input", "zd", "R.vz"),
+        at("input", "betard", "rear'"),
+        at("input", "betafd", "front'"),
+        at("accelerations", "xdd", "R.ax"),
+        at("accelerations", "ydd", "R.ay"),
+        at("accelerations", "zdd", "R.az"),
+        at("accelerations", "psifdd", "steer''"),
+        at("accelerations", "betardd", "rear''"),
+        at("accelerations", "betafdd", "front''"),
+    ]
 }
