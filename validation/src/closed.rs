@@ -83,6 +83,19 @@ pub(crate) fn incline(k: f64) -> Vec<Expected> {
     list
 }
 
+/// A homogeneous ball inside an upright cylinder: `z = −5 g/(2 Φ²) (1 − cos(√(2/7) Φ t))`, its azimuth grows by Φ.
+pub(crate) fn cylinder() -> Vec<Expected> {
+    let (g, rho, rate): (f64, f64, f64) = (9.81, 0.6, 5.0);
+    let mut list = Vec::new();
+    for t in [1.0, 3.0, 10.0] {
+        list.push(Expected::at(t, "ball.x", rho * f64::cos(rate * t)));
+        list.push(Expected::at(t, "ball.y", rho * f64::sin(rate * t)));
+        let swing = f64::sqrt(2.0 / 7.0) * rate * t;
+        list.push(Expected::at(t, "ball.z", -5.0 * g / (2.0 * rate * rate) * (1.0 - swing.cos())));
+    }
+    list
+}
+
 /// A disc held upright runs round a circle of radius `r w_spin/w_yaw`.
 pub(crate) fn vertical_disc() -> Vec<Expected> {
     let (r, yaw, spin) = (0.25, 0.7, 6.0);
