@@ -21,9 +21,9 @@ pub fn cases() -> impl Iterator<Item = &'static Case> {
         loops::CASES,
         oscillators::CASES,
     ]
-        .into_iter()
-        .flatten()
-        .filter(|case| case.is_built())
+    .into_iter()
+    .flatten()
+    .filter(|case| case.is_built())
 }
 
 /// A scene of `models/`, compiled in.

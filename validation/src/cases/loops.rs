@@ -70,8 +70,15 @@ pub(crate) const CASES: &[Case] = &[
         scene: model!("bricard"),
         expected: || {
             let times = ["1", "2", "3", "4", "5", "6", "7", "8", "9", "10"];
-            let pairs =
-                [("a", "P1"), ("b", "P2"), ("a", "P3"), ("b", "P4"), ("P3/0", "bar3.x"), ("P3/1", "bar3.y"), ("P3/2", "bar3.z")];
+            let pairs = [
+                ("a", "P1"),
+                ("b", "P2"),
+                ("a", "P3"),
+                ("b", "P4"),
+                ("P3/0", "bar3.x"),
+                ("P3/1", "bar3.y"),
+                ("P3/2", "bar3.z"),
+            ];
             reference!("iftomm_rigid").rows("/A04_bricard/values", &times, &pairs)
         },
         bite: ("s", "0.11"),
@@ -83,12 +90,8 @@ pub(crate) const CASES: &[Case] = &[
         scene: model!("flyball"),
         expected: || {
             let times = ["0.5", "1.0", "2.0", "3.0", "5.0", "7.0", "10.0"];
-            let pairs = [
-                ("s", "s"),
-                ("alpha", "alpha_right"),
-                ("alpha", "alpha_left"),
-                ("omega_shaft", "shaft_angle'"),
-            ];
+            let pairs =
+                [("s", "s"), ("alpha", "alpha_right"), ("alpha", "alpha_left"), ("omega_shaft", "shaft_angle'")];
             reference!("iftomm_rigid").rows("/A05_flyball/values", &times, &pairs)
         },
         bite: ("M", "5.05"),
@@ -99,8 +102,7 @@ pub(crate) const CASES: &[Case] = &[
         name: "car_axis",
         scene: model!("car_axis"),
         expected: || {
-            let columns =
-                ["left.x", "left.y", "right.x", "right.y", "left.x'", "left.y'", "right.vx", "right.vy"];
+            let columns = ["left.x", "left.y", "right.x", "right.y", "left.x'", "left.y'", "right.vx", "right.vy"];
             let file = reference!("ivp_quad");
             let value = |i: usize| file.number(&format!("/car_axis_t3/y1..8, lambda1,2/{i}"));
             columns.into_iter().enumerate().map(|(i, c)| Expected::at(3.0, c, value(i))).collect()

@@ -14,7 +14,8 @@ pub(crate) const CASES: &[Case] = &[
         name: "body_rolling_disc",
         scene: model!("rolling_disc"),
         expected: || {
-            let pairs = [("yaw", "yaw"), ("lean", "lean"), ("q3", "spin"), ("u/0", "u_1"), ("u/1", "u_2"), ("u/2", "u_3")];
+            let pairs =
+                [("yaw", "yaw"), ("lean", "lean"), ("q3", "spin"), ("u/0", "u_1"), ("u/1", "u_2"), ("u/2", "u_3")];
             reference!("rolling_and_tops").rows("/rolling_disc/values", &["1", "5", "10"], &pairs)
         },
         bite: ("r", "0.303"),

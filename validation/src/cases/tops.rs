@@ -97,13 +97,7 @@ pub(crate) const CASES: &[Case] = &[
     Case {
         name: "body_double_pendulum",
         scene: model!("chain"),
-        set: &[
-            ("m", "[1, 1]"),
-            ("turn", "[0, 0]"),
-            ("phi0", "[90, 0]"),
-            ("c", "l"),
-            ("ratio", "0"),
-        ],
+        set: &[("m", "[1, 1]"), ("turn", "[0, 0]"), ("phi0", "[90, 0]"), ("c", "l"), ("ratio", "0")],
         expected: || chain("N2", &["1", "2", "5", "10"]),
         bite: ("m[2]", "1.01"),
         source: STRESS,
