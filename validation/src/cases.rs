@@ -1,18 +1,29 @@
 //! The table of reference problems.
 
+mod loops;
 mod nonholonomic;
 mod oscillators;
 mod pendulums;
+mod rolling;
+mod tops;
 mod trains;
 
 use crate::case::Case;
 
 /// All problems whose method is built.
 pub fn cases() -> impl Iterator<Item = &'static Case> {
-    [trains::CASES, nonholonomic::CASES, pendulums::CASES, oscillators::CASES]
-        .into_iter()
-        .flatten()
-        .filter(|case| case.is_built())
+    [
+        trains::CASES,
+        nonholonomic::CASES,
+        rolling::CASES,
+        pendulums::CASES,
+        tops::CASES,
+        loops::CASES,
+        oscillators::CASES,
+    ]
+    .into_iter()
+    .flatten()
+    .filter(|case| case.is_built())
 }
 
 /// A scene of `models/`, compiled in.

@@ -68,6 +68,88 @@ pub(crate) fn turntable(k: f64) -> Vec<Expected> {
     list
 }
 
+/// A ball on a plane tilted by α: `x = ½ g sin α/(1 + k) t²` down the plane, `y = v₀ t` across it.
+pub(crate) fn incline(k: f64) -> Vec<Expected> {
+    let (g, alpha, r, v0): (f64, f64, f64, f64) = (9.81, 25.0_f64.to_radians(), 0.15, 1.2);
+    let mut list = Vec::new();
+    for t in [0.5, 1.5, 3.0] {
+        let x = g * alpha.sin() / (1.0 + k) * t * t / 2.0;
+        list.push(Expected::at(t, "x", x));
+        list.push(Expected::at(t, "y", v0 * t));
+        list.push(Expected::at(t, "ball.x", x * alpha.cos() + r * alpha.sin()));
+        list.push(Expected::at(t, "ball.z", -x * alpha.sin() + r * alpha.cos()));
+        list.push(Expected::at(t, "ball.omega_y", g * alpha.sin() / (1.0 + k) * t / r));
+    }
+    list
+}
+
+/// A homogeneous ball inside an upright cylinder: `z = −5 g/(2 Φ²) (1 − cos(√(2/7) Φ t))`, its azimuth grows by Φ.
+pub(crate) fn cylinder() -> Vec<Expected> {
+    let (g, rho, rate): (f64, f64, f64) = (9.81, 0.6, 5.0);
+    let mut list = Vec::new();
+    for t in [1.0, 3.0, 10.0] {
+        list.push(Expected::at(t, "ball.x", rho * f64::cos(rate * t)));
+        list.push(Expected::at(t, "ball.y", rho * f64::sin(rate * t)));
+        let swing = f64::sqrt(2.0 / 7.0) * rate * t;
+        list.push(Expected::at(t, "ball.z", -5.0 * g / (2.0 * rate * rate) * (1.0 - swing.cos())));
+    }
+    list
+}
+
+/// A disc held upright runs round a circle of radius `r w_spin/w_yaw`.
+pub(crate) fn vertical_disc() -> Vec<Expected> {
+    let (r, yaw, spin) = (0.25, 0.7, 6.0);
+    let radius = r * spin / yaw;
+    let mut list = Vec::new();
+    for t in [1.0, 5.0, 10.0] {
+        list.push(Expected::at(t, "disc.x", radius * f64::sin(yaw * t)));
+        list.push(Expected::at(t, "disc.y", radius * (1.0 - f64::cos(yaw * t))));
+        list.push(Expected::at(t, "disc.z", r));
+        list.push(Expected::at(t, "disc.omega_z", yaw));
+        list.push(Expected::at(t, "disc.wy", spin));
+    }
+    list
+}
+
+/// A slider-crank that keeps its energy `½ I(φ) φ′²`: `t = ∫ √(I(φ)/I(0)) dφ/Ω`, solved for φ by Newton's method.
+pub(crate) fn slider_crank() -> Vec<Expected> {
+    let (m2, m3, l1, l2) = (0.151104, 0.075552, 0.15, 0.30);
+    let (j1, j2, omega) = (0.002727, 0.0045339259, 150.0);
+    // the rod's inclination ψ, sin ψ = −l1/l2 sin φ, and its derivative by φ
+    let rod = |phi: f64| {
+        let psi = (-l1 / l2 * phi.sin()).asin();
+        (psi, -l1 * phi.cos() / (l2 * psi.cos()))
+    };
+    // derivatives of places by φ
+    let slider = |phi: f64| {
+        let (psi, p) = rod(phi);
+        -l1 * phi.sin() - l2 * p * psi.sin()
+    };
+    let inertia = |phi: f64| {
+        let (psi, p) = rod(phi);
+        let x = -l1 * phi.sin() - l2 / 2.0 * p * psi.sin();
+        let y = l1 * phi.cos() + l2 / 2.0 * p * psi.cos();
+        let centre = j2 - m2 * l2 * l2 / 4.0;
+        j1 + m2 * (x * x + y * y) + centre * p * p + m3 * slider(phi).powi(2)
+    };
+    let slowness = |phi: f64| (inertia(phi) / inertia(0.0)).sqrt() / omega;
+    let mut list = Vec::new();
+    for t in [0.01, 0.03, 0.06, 0.1] {
+        let mut phi = omega * t;
+        for _ in 0..30 {
+            phi -= (integral(phi, slowness) - t) / slowness(phi);
+        }
+        let rate = 1.0 / slowness(phi);
+        let (psi, _) = rod(phi);
+        list.push(Expected::at(t, "phi", phi));
+        list.push(Expected::at(t, "pin", psi - phi));
+        list.push(Expected::at(t, "x", l1 * phi.cos() + l2 * psi.cos()));
+        list.push(Expected::at(t, "phi'", rate));
+        list.push(Expected::at(t, "x'", slider(phi) * rate));
+    }
+    list
+}
+
 /// `x = x₀ e^(−δt) (cos ωt + δ/ω sin ωt)`
 pub(crate) fn damped() -> Vec<Expected> {
     let (m, c, b, x0): (f64, f64, f64, f64) = (2.0, 50.0, 1.5, 0.1);

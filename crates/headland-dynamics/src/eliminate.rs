@@ -60,6 +60,10 @@ impl Factors {
 /// A pivot below this part of its row's first size counts as none.
 const SINGULAR: f64 = 1e-9;
 
+/// Weight of velocities in the axes of a body: their entries turn with it, so that a pivot that is large now is small
+/// soon. A rate takes its place unless that is far smaller.
+const BODY_AXES: f64 = 0.25;
+
 /// All rows as `A v + c = 0`; the given nodes are those of the rows.
 ///
 /// # Errors
@@ -273,7 +277,8 @@ impl Choice {
         let mut best = (SINGULAR, None);
         for &r in open {
             for e in rows[r].entries.iter().filter(|e| self.allowed[e.0]) {
-                let merit = (e.2 * self.scale[e.0]).abs() / self.norms[r];
+                let weight = if e.0 < model.coordinates.len() { 1.0 } else { BODY_AXES };
+                let merit = weight * (e.2 * self.scale[e.0]).abs() / self.norms[r];
                 if merit > best.0 * (1.0 + 1e-9) {
                     best = (merit, Some((r, e.0)));
                 }

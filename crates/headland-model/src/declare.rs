@@ -358,7 +358,11 @@ impl<'g> Builder<'_, 'g> {
                 DefinitionKind::Prescribed => "a prescribed coordinate",
                 DefinitionKind::Definition => "a definition",
             };
-            self.free_name(&key.name, &place, empty)?;
+            // a joint whose own coordinate was left to [prescribed] has its name already
+            let is_joint = matches!(self.low.symbols.by_name.get(key.name.as_str()), Some(Symbol::Joint(_)));
+            if !(is_joint && kind == DefinitionKind::Prescribed && self.low.declared.contains_key(&key.name)) {
+                self.free_name(&key.name, &place, empty)?;
+            }
             families.insert(key.name.clone(), FxHashMap::default());
         }
         let formula = self.formula_of(&entry.value)?;

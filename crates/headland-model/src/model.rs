@@ -328,7 +328,7 @@ pub struct RunSettings {
     pub max_step: f64,
     /// Linear solver.
     pub linear_solver: LinearSolver,
-    /// Coordinates whose rates are independent, by the user's choice.
+    /// Velocities that are independent, by the user's choice: coordinates (their rates), then quasi-velocities.
     pub independent: Option<Vec<usize>>,
 }
 

@@ -282,11 +282,15 @@ impl<'g> Builder<'_, 'g> {
         for value in values {
             let Data::Text(text) = &value.data else { continue };
             let name = text.trim().trim_end_matches('\'');
-            match self.low.coordinates.iter().position(|c| c.name == name) {
+            let rates = self.low.coordinates.iter().map(|c| (c.name.as_str(), true));
+            let velocities = self.low.quasi_velocities.iter().map(|u| (u.name.as_str(), u.of_joint));
+            let known: Vec<(&str, bool)> = rates.chain(velocities).collect();
+            match known.iter().position(|(n, may)| *may && *n == name) {
                 Some(i) => chosen.push(i),
                 None => {
-                    let hint = suggestion(name, self.low.coordinates.iter().map(|c| c.name.as_str()));
-                    return Err(self.low.report(value.place.clone(), format!("`{name}` is not a coordinate{hint}")));
+                    let hint = suggestion(name, known.iter().filter(|(_, may)| *may).map(|(n, _)| *n));
+                    let message = format!("`{name}` is not a coordinate or a joint's velocity{hint}");
+                    return Err(self.low.report(value.place.clone(), message));
                 }
             }
         }

@@ -99,6 +99,10 @@ impl<'g> Builder<'_, 'g> {
             let message = format!("`{}` is prescribed: its values follow from its function of time", entry.key);
             return Err(self.low.report(place, message));
         }
+        let members = self.low.symbols.members(key.index.as_ref()).map_err(|m| self.low.report(place.clone(), m))?;
+        if found.is_none() && members.is_empty() {
+            return Ok((true, key.primes, Vec::new())); // of a family of joints that has no member
+        }
         let Some((kind, family)) = found else {
             let states = self
                 .low
@@ -110,7 +114,6 @@ impl<'g> Builder<'_, 'g> {
             let message = format!("`{}` is not a coordinate, its rate or a quasi-velocity{hint}", entry.key);
             return Err(self.low.report(place, message));
         };
-        let members = self.low.symbols.members(key.index.as_ref()).map_err(|m| self.low.report(place.clone(), m))?;
         let found: Option<Vec<(usize, Binding)>> =
             members.into_iter().map(|(m, binding)| family.get(m).map(|i| (i, binding))).collect();
         match found {

@@ -102,7 +102,7 @@ pub(crate) const CASES: &[Case] = &[
     },
 ];
 
-fn snakeboard(input: &str) -> Vec<Expected> {
+pub(super) fn snakeboard(input: &str) -> Vec<Expected> {
     reference!("rolling_and_tops").rows(
         &format!("/snakeboard/values/{input}"),
         &["5", "10", "20"],

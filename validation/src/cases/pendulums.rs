@@ -110,7 +110,7 @@ fn chain(pointer: &str, times: &[&str], n: usize, all: bool) -> Vec<Expected> {
     reference!("stress").rows(pointer, times, &pairs)
 }
 
-fn babyboot(t: &str) -> Vec<Expected> {
+pub(super) fn babyboot(t: &str) -> Vec<Expected> {
     let pairs =
         [("qA_deg", "q_A"), ("qB_deg", "q_B"), ("qAd", "q_A'"), ("qBd", "q_B'"), ("qAdd", "q_A''"), ("qBdd", "q_B''")];
     reference!("babyboot").rows("/values", &[t], &pairs)

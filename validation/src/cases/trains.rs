@@ -40,6 +40,27 @@ pub(crate) const CASES: &[Case] = &[
         ..Case::USUAL
     },
     Case {
+        name: "paper_train_spatial",
+        scene: model!("paper_train_spatial"),
+        tolerance: 1e-12,
+        allowed: 1e-10,
+        expected: paper_train,
+        bite: ("m[2]", "12120"),
+        source: PAPER,
+        ..Case::USUAL
+    },
+    Case {
+        name: "paper_train_spatial_tilted",
+        scene: model!("paper_train_spatial"),
+        set: &[("tilt", "[0.4, -0.7, 1.1]")],
+        tolerance: 1e-12,
+        allowed: 1e-10,
+        expected: paper_train,
+        bite: ("m[2]", "12120"),
+        source: PAPER,
+        ..Case::USUAL
+    },
+    Case {
         name: "paper_train_steady_turn",
         scene: model!("paper_train"),
         columns: &["v_B[k]/omega[k]"],
