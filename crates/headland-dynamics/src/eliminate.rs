@@ -60,6 +60,9 @@ impl Factors {
 /// A pivot below this part of its row's first size counts as none.
 const SINGULAR: f64 = 1e-9;
 
+/// A row below this part of the largest is measured by it: entries that cancel to rounding are none, whatever their ratio.
+const SMALL_ROW: f64 = 1e-4;
+
 /// All rows as `A v + c = 0`; the given nodes are those of the rows.
 ///
 /// # Errors
@@ -243,7 +246,9 @@ impl Choice {
             e.2 = values.next().unwrap_or(f64::NAN);
         }
         let mut choice = Self { scale, norms: Vec::new(), allowed };
-        choice.norms = rows.iter().map(|r| choice.size(r).max(f64::MIN_POSITIVE)).collect();
+        let sizes: Vec<f64> = rows.iter().map(|r| choice.size(r)).collect();
+        let least = (SMALL_ROW * sizes.iter().copied().fold(0.0, f64::max)).max(f64::MIN_POSITIVE);
+        choice.norms = sizes.into_iter().map(|size| size.max(least)).collect();
         Ok(choice)
     }
 
