@@ -64,6 +64,9 @@ const SINGULAR: f64 = 1e-9;
 /// soon. A rate takes its place unless that is far smaller.
 const BODY_AXES: f64 = 0.25;
 
+/// A row below this part of the largest is measured by it: entries that cancel to rounding are none, whatever their ratio.
+const SMALL_ROW: f64 = 1e-4;
+
 /// All rows as `A v + c = 0`; the given nodes are those of the rows.
 ///
 /// # Errors
@@ -247,7 +250,9 @@ impl Choice {
             e.2 = values.next().unwrap_or(f64::NAN);
         }
         let mut choice = Self { scale, norms: Vec::new(), allowed };
-        choice.norms = rows.iter().map(|r| choice.size(r).max(f64::MIN_POSITIVE)).collect();
+        let sizes: Vec<f64> = rows.iter().map(|r| choice.size(r)).collect();
+        let least = (SMALL_ROW * sizes.iter().copied().fold(0.0, f64::max)).max(f64::MIN_POSITIVE);
+        choice.norms = sizes.into_iter().map(|size| size.max(least)).collect();
         Ok(choice)
     }
 

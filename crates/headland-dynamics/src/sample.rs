@@ -1,7 +1,7 @@
 //! States at which derivations are compared and structures examined: the start, and points spread about it.
 
 use headland_expr::NodeId;
-use headland_model::{Element, Model, Place};
+use headland_model::{Element, Model, Place, RowForm};
 
 /// The inputs of the graph at the model's start: parameters, time and initial coordinates; velocities zero.
 pub fn start_inputs(model: &Model) -> Vec<f64> {
@@ -21,8 +21,8 @@ pub fn start_inputs(model: &Model) -> Vec<f64> {
     inputs
 }
 
-/// The first definition, value or structure of an element that is not finite at the given inputs, with its place; then
-/// the given further rates of structures, one an element.
+/// The first definition, value or structure of an element, or constraint, that is not finite at the given inputs, with its
+/// place; then the given further rates of structures, one an element.
 pub fn first_not_finite(model: &Model, structure_rates: &[NodeId], inputs: &[f64]) -> Option<String> {
     let at = |place: &Place| model.source.locate(place);
     let definitions = model.definitions.iter().map(|d| (format!("`{}` ({})", d.name, at(&d.place)), d.node));
@@ -30,7 +30,12 @@ pub fn first_not_finite(model: &Model, structure_rates: &[NodeId], inputs: &[f64
     let values = model.elements.iter().map(|e| (of("value", e), e.value));
     let structures = model.elements.iter().map(|e| (of("structure", e), e.structure));
     let rates = model.elements.iter().zip(structure_rates).map(|(e, r)| (of("structure's rate", e), *r));
-    let all: Vec<(String, NodeId)> = definitions.chain(values).chain(structures).chain(rates).collect();
+    let rows = model.kinematics.iter().flat_map(|r| {
+        let (RowForm::Rate(_, node) | RowForm::Zero(node)) = r.form;
+        let name = format!("the constraint `{}` ({})", r.name, at(&r.place));
+        r.position.into_iter().chain([node]).map(move |n| (name.clone(), n))
+    });
+    let all: Vec<(String, NodeId)> = definitions.chain(values).chain(structures).chain(rows).chain(rates).collect();
     let found = model.graph.eval(&all.iter().map(|(_, n)| *n).collect::<Vec<_>>(), inputs);
     let first = found.iter().position(|x| !x.is_finite())?;
     Some(format!("{} is {}", all[first].0, found[first]))

@@ -77,3 +77,49 @@ fn the_size_grows_linearly() {
     assert!((second / first - 1.0).abs() < 0.1, "{a}, {b}, {c}: {first} then {second} operations a bogie");
     assert!(c < 200.0 * 32.0, "{c} operations for 32 bogies");
 }
+
+/// The wheels' heights are kept by the planar joint, so these rows cancel, but to rounding only.
+#[test]
+fn rows_that_cancel_to_rounding_bind_nothing() {
+    let text = r#"
+        title = "Cart on two wheels"
+        [indices]
+        k = 2
+        [[body]]
+        name = "cart"
+        mass = 10
+        shape = "box"
+        size = [1, 1, 0.1]
+        [[joint]]
+        name = "base"
+        kind = "planar"
+        at = [0, 0, 0.2]
+        to = "cart"
+        [[body]]
+        name = "wheel[k]"
+        mass = 1
+        shape = "disc"
+        size = 0.2
+        axis = "y"
+        [[joint]]
+        name = "spin[k]"
+        kind = "revolute"
+        axis = "y"
+        from = "cart"
+        at = [0, "(1.5 - k)*1[m]", 0]
+        to = "wheel[k]"
+        [[rolling]]
+        name = "contact[k]"
+        body = "wheel[k]"
+        radius = 0.2
+        axis = "y"
+        [initial]
+        "base.angle" = -0.4
+        "spin[1]" = 27.6
+        "spin[2]" = 13.1
+    "#;
+    let model = Scene::parse("cart.toml", text).and_then(|s| s.build()).unwrap();
+    let equations = derived(&model);
+    assert_eq!(equations.kinematics.quasi.len(), 2); // forward and about the vertical
+    assert_eq!(equations.kinematics.redundant.len(), 3); // both heights, one of the sideways slips
+}

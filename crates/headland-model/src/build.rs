@@ -273,10 +273,12 @@ impl<'s, 'g> Builder<'s, 'g> {
 
     pub(crate) fn warn(&mut self) {
         if self.low.coordinates.is_empty() {
-            self.low.report(
-                Place::Program,
-                "the scene has no coordinates: `[coordinates]` with names and units, or `[[body]]`",
-            );
+            let message = if self.scene.section_elements("body").is_empty() && self.parts.prescribed.is_empty() {
+                "the scene has no coordinates: `[coordinates]` with names and units, or `[[body]]`"
+            } else {
+                "nothing in the scene can move freely: no coordinate is left beside welds and prescribed motion"
+            };
+            self.low.report(Place::Program, message);
         }
         let without = |s: &str| self.scene.section_elements(s).is_empty();
         if without("inertia") && without("body") && !self.low.coordinates.is_empty() {

@@ -358,10 +358,10 @@ impl<'g> Builder<'_, 'g> {
                 DefinitionKind::Prescribed => "a prescribed coordinate",
                 DefinitionKind::Definition => "a definition",
             };
-            // a joint whose own coordinate was left to [prescribed] has its name already
-            let is_joint = matches!(self.low.symbols.by_name.get(key.name.as_str()), Some(Symbol::Joint(_)));
-            if !(is_joint && kind == DefinitionKind::Prescribed && self.low.declared.contains_key(&key.name)) {
-                self.free_name(&key.name, &place, empty)?;
+            let is_driven = |s: &Symbol| kind == DefinitionKind::Prescribed && matches!(s, Symbol::Joint(_));
+            let joint = self.low.symbols.by_name.get(key.name.as_str()).is_some_and(is_driven);
+            if !(joint && self.low.declared.contains_key(&key.name)) {
+                self.free_name(&key.name, &place, empty)?; // a driven joint's name stands for its only coordinate
             }
             families.insert(key.name.clone(), FxHashMap::default());
         }

@@ -410,7 +410,9 @@ impl<'g> Lowering<'g> {
             }
             let hint = suggestion(&full, self.derived_names.keys().map(String::as_str));
             let message = if self.derived_names.is_empty() {
-                format!("`{full}` follows from the equations of motion; it can stand in outputs, guards and plots only")
+                format!(
+                    "`{full}` follows from the equations of motion; it can stand in outputs, guards and events only"
+                )
             } else {
                 format!("undefined name `{full}`{hint}")
             };

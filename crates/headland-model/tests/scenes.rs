@@ -99,3 +99,35 @@ fn bare_literals_fit_their_place() {
     let text = text.replace("F0 + kp*(v_ref - v)", "F0 + kp*(v_ref - v) + plain*3*v");
     assert_eq!(model(&text).parameters[0].value, 4.0);
 }
+
+#[test]
+fn the_only_coordinate_of_a_joint_can_be_driven() {
+    let text = |driven: &str| {
+        format!(
+            r#"
+            title = "Arm on a table that is turned"
+            [[body]]
+            name = "table"
+            inertia = [0, 0, 1]
+            [[joint]]
+            name = "axle"
+            kind = "revolute"
+            to = "table"
+            [[body]]
+            name = "arm"
+            mass = 1
+            [[joint]]
+            name = "slide"
+            kind = "prismatic"
+            from = "table"
+            to = "arm"
+            axis = "x"
+            [prescribed]
+            {driven}
+            "#
+        )
+    };
+    let model = model(&text("axle = \"2[rad/s]*t\""));
+    assert_eq!((model.coordinates.len(), model.prescribed.len()), (1, 1));
+    assert!(errors(&text("axle = \"2[rad/s]*t\"\nslide = 1")).contains("nothing in the scene can move"));
+}

@@ -70,8 +70,11 @@ impl<'m> TimeLoop<'m> {
         let (a, b) = schedule.span(options.from);
         work.problem.set_span(a, b);
         let (y, moved) = start_state(model, equations, options.from)?;
-        let say =
-            |m: &Moved| format!("start: `{}` moved from {} to {} to fulfil the constraints", m.name, m.from, m.to);
+        let say = |m: &Moved| {
+            let unit = model.coordinates.iter().find(|c| c.name == m.name).map(|c| format!(" {}", c.unit));
+            let (name, from, to, unit) = (&m.name, m.from, m.to, unit.filter(|u| u != " 1").unwrap_or_default());
+            format!("start: `{name}` moved from {from:.6}{unit} to {to:.6}{unit} to fulfil the constraints")
+        };
         let log = moved.iter().map(|m| LogEntry { t: options.from, message: say(m) }).collect();
         Ok(Self {
             integrator: method.create(system.len(), solver_options(model, &system, options))?,

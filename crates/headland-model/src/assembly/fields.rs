@@ -10,7 +10,7 @@ use crate::lower::Reported;
 use crate::place::Place;
 use crate::scene::Element as SceneElement;
 use crate::scene::{Data, Value};
-use crate::symbols::{Binding, Members, Symbol, member_name, parse_key};
+use crate::symbols::{Binding, Members, Symbol, parse_key};
 
 impl<'g> Builder<'_, 'g> {
     /// The members of an element: one for each value of the index that any of its texts uses.
@@ -109,7 +109,10 @@ impl<'g> Builder<'_, 'g> {
             Some(Symbol::Frame(members)) => match members.get(member) {
                 Some(frame) => Ok(frame),
                 None => {
-                    let full = member_name(&key.name, member);
+                    let full = match key.index {
+                        Some(_) => format!("{}[{member}]", key.name),
+                        None => key.name.clone(),
+                    };
                     let message =
                         format!("`{full}` does not exist: `{}` has {} member(s)", key.name, members.iter().count());
                     Err(self.low.report(place, message))
