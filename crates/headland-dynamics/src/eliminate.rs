@@ -35,6 +35,14 @@ pub struct Factors {
 }
 
 impl Factors {
+    /// Pivots that depend on the state, each with its row: where one goes through zero, the rows lose rank.
+    pub fn moving_pivots(&self, model: &Model) -> Vec<(usize, NodeId)> {
+        let at =
+            |&(row, column): &(usize, usize)| self.rows[row].iter().find(|(v, _)| *v == column).map(|(_, a)| (row, *a));
+        let moving = |(_, node): &(usize, NodeId)| model.graph.constant_value(*node).is_none();
+        self.pivots.iter().filter_map(at).filter(moving).collect()
+    }
+
     /// The multipliers λ of all rows from `r`, one entry a pivot: `A_dep = E⁻¹ U`, so `Uᵀ y = r`, `λ = Eᵀ y`.
     pub(crate) fn solve_transposed<'g>(&self, model: &'g Model, r: &[Expr<'g>]) -> Vec<Expr<'g>> {
         let graph = &model.graph;

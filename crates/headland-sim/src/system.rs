@@ -60,6 +60,10 @@ pub struct System {
     pub guards: Compiled,
     /// Residuals of the velocity constraints in form (1).
     pub residuals: Compiled,
+    /// Pivots of the elimination: where one changes sign, the constraints lost rank on the way.
+    pub pivots: Compiled,
+    /// The constraint of each pivot, by row of the model's kinematics.
+    pub pivot_rows: Vec<usize>,
     /// Constraints on positions.
     pub positions: Positions,
     /// Which of the residuals belong to rows that were left out as redundant.
@@ -94,6 +98,9 @@ impl System {
             RowForm::Rate(..) => None,
         });
         let residuals = by_state(rows.collect());
+        let (pivot_rows, pivots): (Vec<usize>, Vec<NodeId>) =
+            kinematics.factors.moving_pivots(model).into_iter().unzip();
+        let pivots = copy.nodes(&pivots);
         let holonomic: Vec<NodeId> = model.kinematics.iter().filter_map(|r| r.position).collect();
         let holonomic = copy.nodes(&holonomic);
         let constraints = model.kinematics.iter().enumerate().filter(|(_, r)| matches!(r.form, RowForm::Zero(_)));
@@ -123,6 +130,8 @@ impl System {
             energies: compile(&energies),
             guards: compile(&guards),
             residuals: compile(&residuals),
+            pivots: compile(&pivots),
+            pivot_rows,
             positions: Positions::new(&graph, &holonomic, nq),
             redundant,
             growth: compile(&growth),

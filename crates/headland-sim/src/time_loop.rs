@@ -34,6 +34,10 @@ pub(crate) struct TimeLoop<'m> {
     balance: Option<Balance>,
     growth_limit: f64,
     warned: Vec<bool>,
+    /// Pivots of the elimination after the last step.
+    pivots: Vec<f64>,
+    /// Passages through places where the constraints lose rank.
+    passages: u64,
     known: Vec<(Equations, Rc<System>)>,
     ending: Ending,
 }
@@ -81,6 +85,8 @@ impl<'m> TimeLoop<'m> {
             y,
             balance: options.balance.then(|| Balance::new(system.clone())),
             warned: vec![false; model.guards.len()],
+            pivots: Vec::new(),
+            passages: 0,
             known: vec![(equations.clone(), system)],
             equations: equations.clone(),
             growth_limit: if model.run.independent.is_some() { 10.0 * GROWTH } else { GROWTH },
@@ -182,6 +188,7 @@ impl<'m> TimeLoop<'m> {
         let breakpoint = matches!(step, Step::End { .. }) && self.schedule.is_breakpoint(t);
         let stiff = self.leave_explicit(t, observer)?;
         let changed = self.repartition(t, observer)?;
+        self.watch_rank(t, changed, observer);
         if breakpoint || stiff || changed {
             let before = self.work.kinetic(t, &self.y);
             let (a, b) = self.schedule.span(t);
@@ -261,6 +268,28 @@ impl<'m> TimeLoop<'m> {
         self.y = y;
         self.use_system(system)?;
         Ok(true)
+    }
+
+    /// Where the product of the pivots has changed its sign, the constraints were dependent on the way, and the motion could
+    /// have branched. It goes on smoothly, along the same branch. (Two pivots that change together mean nothing: one went
+    /// through zero and the next through infinity, which another order of rows would not have had.)
+    fn watch_rank(&mut self, t: f64, changed: bool, observer: &mut dyn Observer) {
+        let pivots = self.work.pivots(t, &self.y).to_vec();
+        let flipped = |k: &usize| self.pivots[*k].signum() != pivots[*k].signum();
+        let same = !changed && self.pivots.len() == pivots.len();
+        let passed: Vec<usize> = if same { (0..pivots.len()).filter(flipped).collect() } else { Vec::new() };
+        self.pivots = pivots;
+        let Some(&k) = passed.first().filter(|_| passed.len() % 2 == 1) else { return };
+        self.passages += 1;
+        let name = &self.model.kinematics[self.work.system.pivot_rows[k]].name;
+        let message = format!(
+            "within the last step the constraints lost rank for a moment (`{name}` followed from the others): the motion \
+             went on along the same branch; some digits are lost at such a place"
+        );
+        if self.passages <= 3 {
+            observer.message(t, &message);
+        }
+        self.ending.log.push(LogEntry { t, message });
     }
 
     /// Constraints left out as redundant must go on to follow from the others; where one does not any more, the choice is

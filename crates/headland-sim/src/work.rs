@@ -21,6 +21,7 @@ pub(crate) struct Work {
     pub(crate) residuals: TapeEvaluator,
     pub(crate) guards: TapeEvaluator,
     growth: TapeEvaluator,
+    pivots: TapeEvaluator,
     energies: TapeEvaluator,
     pub(crate) has_residuals: bool,
 }
@@ -33,6 +34,7 @@ impl Work {
             residuals: system.residuals.function.evaluator(),
             guards: system.guards.function.evaluator(),
             growth: system.growth.function.evaluator(),
+            pivots: system.pivots.function.evaluator(),
             energies: system.energies.function.evaluator(),
             has_residuals: system.residuals.function.outputs() > 0,
             system,
@@ -51,6 +53,14 @@ impl Work {
         }
         let x = self.problem.inputs_for(&self.system.growth, t, y);
         self.growth.eval(x).iter().fold(0.0, |a: f64, g| a.max(g.abs()))
+    }
+
+    /// Pivots of the elimination that depend on the state.
+    pub(crate) fn pivots(&mut self, t: f64, y: &[f64]) -> &[f64] {
+        if self.system.pivot_rows.is_empty() {
+            return &[];
+        }
+        self.pivots.eval(self.problem.inputs_for(&self.system.pivots, t, y))
     }
 
     /// Largest residual among the constraints that were left out as redundant, with its position.
