@@ -31,7 +31,10 @@ fn names_are_unique_and_select() {
     assert_eq!(sorted.len(), names().len());
     assert!(run(&["no such problem".into()]).is_empty());
     let chosen = run(&["sleigh".into()]);
-    assert_eq!(chosen.iter().map(|r| r.name).collect::<Vec<_>>(), ["chaplygin_sleigh", "sleigh_constraint"]);
+    assert_eq!(
+        chosen.iter().map(|r| r.name).collect::<Vec<_>>(),
+        ["chaplygin_sleigh", "sleigh_constraint", "body_sleigh"]
+    );
 }
 
 #[test]
