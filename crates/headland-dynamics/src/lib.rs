@@ -45,4 +45,4 @@ pub use energy::Energies;
 pub use error::DeriveError;
 pub use initial::initial_velocities;
 pub use kinematics::{Kinematics, Quasi};
-pub use linearise::{LinearState, Linearised, LineariseError, Mode, linearise};
+pub use linearise::{LinearState, LineariseError, Linearised, Mode, linearise};

@@ -143,8 +143,8 @@ pub enum LineariseError {
     /// Velocities change.
     #[error(
         "the state is neither an equilibrium nor a steady motion{}: {list}. A linear system with constant matrices exists \
-         only where all u′ are zero: change the start (`--set {first}=..`, forces, or the velocities that belong to the \
-         motion){}",
+         only where all u′ are zero and stay zero: change the start (coordinates, velocities, forces; `--set NAME=VALUE`) \
+         to one that does{}",
         if *after > 0.0 { format!(" ({after:.2e} s later)") } else { String::new() },
         if *turning { "; where only the axes of a body turn that spins freely, give its joint `orientation = \"rpy\"`, or \
          put massless bodies between, so that the velocities of the steady motion are constant" } else { "" }
@@ -152,8 +152,6 @@ pub enum LineariseError {
     NotSteady {
         /// The rates, `u′ = value unit`.
         list: String,
-        /// A state that could be set.
-        first: String,
         /// How long after the state, s.
         after: f64,
         /// Whether a ball's angular velocity is among them.

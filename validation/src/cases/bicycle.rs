@@ -84,8 +84,7 @@ fn matrices(linear: &Linearised, v: f64) -> Vec<(String, f64, f64)> {
     let canonical = |name: &str, i: usize, k: usize| file.number(&format!("/matrices_25_digits/{name}/{i}/{k}"));
     let find = |name: &str| linear.states.iter().position(|s| s.name == name);
     let mut all = Vec::new();
-    let places: Option<Vec<(usize, usize)>> =
-        NAMES.iter().map(|n| Some((find(n)?, find(&format!("{n}'"))?))).collect();
+    let places: Option<Vec<(usize, usize)>> = NAMES.iter().map(|n| Some((find(n)?, find(&format!("{n}'"))?))).collect();
     let Some(places) = places else { return vec![("states lean, steer, lean', steer'".into(), f64::NAN, 0.0)] };
     let m = |i: usize, k: usize| {
         let first = linear.displacements;

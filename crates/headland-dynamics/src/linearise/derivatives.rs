@@ -2,7 +2,7 @@
 
 use headland_expr::{Dual, NodeId};
 use headland_model::Model;
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, LU};
 
 use super::tangent::Tangent;
 use super::{LinearState, LineariseError};
@@ -108,17 +108,17 @@ impl<'m> Derivatives<'m> {
         let values = self.model.graph.eval(&self.roots, &x);
         let (nq, nu) = self.sizes();
         let solver = self.factor(&values[nq..], t, &x)?;
-        let u = solver.solve(&DVector::from_column_slice(&values[values.len() - nu..]));
+        let u = solve(&solver, DVector::from_column_slice(&values[values.len() - nu..]));
         Ok(values[..nq].iter().chain(u.iter()).copied().collect())
     }
 
     /// M, factored.
-    fn factor(&self, values: &[f64], t: f64, x: &[f64]) -> Result<Cholesky<f64, Dyn>, LineariseError> {
+    fn factor(&self, values: &[f64], t: f64, x: &[f64]) -> Result<LU<f64, Dyn, Dyn>, LineariseError> {
         let nu = self.sizes().1;
         let m = DMatrix::from_fn(nu, nu, |i, j| values[packed(i.max(j), i.min(j))]);
         let finite = values.iter().all(|v| v.is_finite());
-        let factored = if finite { Cholesky::new(m) } else { None };
-        factored.ok_or_else(|| {
+        let factored = if finite { Some(m.lu()) } else { None };
+        factored.filter(LU::is_invertible).ok_or_else(|| {
             let found = first_not_finite(self.model, &[], x);
             let what = found.unwrap_or_else(|| "the inverse of the mass matrix".into());
             LineariseError::NotFinite { what, t }
@@ -136,7 +136,7 @@ impl<'m> Derivatives<'m> {
 
         let here = model.graph.eval(&self.roots, &numbers);
         let solver = self.factor(&here[nq..], t, &numbers)?;
-        let u_rate = solver.solve(&DVector::from_column_slice(&here[here.len() - nu..]));
+        let u_rate = solve(&solver, DVector::from_column_slice(&here[here.len() - nu..]));
 
         // T and its rate along the motion
         let time = model.input_index(model.time);
@@ -157,7 +157,7 @@ impl<'m> Derivatives<'m> {
                 let turned: f64 = (0..nu).map(|j| rest[packed(i.max(j), i.min(j))].dot * u_rate[j]).sum();
                 rest[triangle + i].dot - turned
             };
-            (q, solver.solve(&DVector::from_fn(nu, |i, _| force(i))))
+            (q, solve(&solver, DVector::from_fn(nu, |i, _| force(i))))
         };
         for j in 0..ns {
             q_slots.iter().enumerate().for_each(|(i, &slot)| x[slot].dot = basis[(i, j)]);
@@ -184,6 +184,14 @@ impl<'m> Derivatives<'m> {
         let rates = here[..nq].iter().chain(u_rate.iter()).copied().collect();
         Ok(Point { rates, a, b, mass })
     }
+}
+
+/// `M⁻¹ F` with M in factors that were found to have an inverse.
+fn solve(solver: &LU<f64, Dyn, Dyn>, mut force: DVector<f64>) -> DVector<f64> {
+    if !solver.solve_mut(&mut force) {
+        force.fill(f64::NAN);
+    }
+    force
 }
 
 fn put(matrix: &mut DMatrix<f64>, column: usize, s: &DVector<f64>, u: &DVector<f64>) {

@@ -28,15 +28,25 @@ pub(super) fn check_rates(derivatives: &Derivatives<'_>, point: &Point, after: f
         }
     }
     wrong.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let Some(&(_, first)) = wrong.first() else { return Ok(()) };
+    if wrong.is_empty() {
+        return Ok(());
+    }
     let turning = wrong.iter().any(|(_, k)| is_turn(derivatives, quasi[*k].velocity));
-    let list = wrong.iter().take(4).map(|(_, k)| {
-        let unit = &quasi[*k].unit;
-        format!("({})′ = {:.3e} {unit}/s", quasi[*k].name, point.rates[nq + k])
-    });
+    let list = wrong
+        .iter()
+        .take(4)
+        .map(|(_, k)| format!("({})′ = {:.3e} {}", quasi[*k].name, point.rates[nq + k], per_second(&quasi[*k].unit)));
     let more = if wrong.len() > 4 { format!(" and {} more", wrong.len() - 4) } else { String::new() };
     let list = format!("{}{more}", list.collect::<Vec<_>>().join(", "));
-    Err(LineariseError::NotSteady { list, first: quasi[first].name.clone(), after, turning })
+    Err(LineariseError::NotSteady { list, after, turning })
+}
+
+/// `m/s^2` for `m/s`.
+fn per_second(unit: &str) -> String {
+    match unit.strip_suffix("/s") {
+        Some(rest) => format!("{rest}/s^2"),
+        None => format!("{unit}/s"),
+    }
 }
 
 /// Whether a velocity is a ball's.

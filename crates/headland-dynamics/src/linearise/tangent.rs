@@ -50,9 +50,8 @@ impl Tangent {
     pub(super) fn eval(&self, inputs: &[Dual<f64>]) -> (DMatrix<f64>, DMatrix<f64>) {
         let nodes: Vec<NodeId> = self.columns.iter().flatten().copied().collect();
         let values = self.model.graph.eval(&nodes, inputs);
-        let part = |f: fn(&Dual<f64>) -> f64| {
-            DMatrix::from_iterator(self.rows, self.columns.len(), values.iter().map(f))
-        };
+        let part =
+            |f: fn(&Dual<f64>) -> f64| DMatrix::from_iterator(self.rows, self.columns.len(), values.iter().map(f));
         (part(|x| x.value), part(|x| x.dot))
     }
 

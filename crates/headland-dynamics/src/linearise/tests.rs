@@ -102,7 +102,7 @@ fn damped_oscillator() {
 
 #[test]
 fn what_is_no_equilibrium_is_refused() {
-    refused(OSCILLATOR, &[("x", "0.3")], &[], &["neither an equilibrium", "(x')′ = -5.000e0 m/s^2/s", "--set"]);
+    refused(OSCILLATOR, &[("x", "0.3")], &[], &["neither an equilibrium", "(x')′ = -5.000e0 m/s^2", "--set"]);
     refused(OSCILLATOR, &[("F", "3")], &[], &["(x')′ = 1.500e0"]);
     // u′ = 0 for an instant only: at the largest speed without damping
     refused(OSCILLATOR, &[("x'", "1"), ("b", "0")], &[], &["neither an equilibrium", "s later"]);
@@ -139,6 +139,8 @@ from = "one"
 at = ["0", "0", "-l"]
 to = "two"
 axis = "y"
+[initial]
+a = 0
 "#;
     let linear = good(text, &[], &[]);
     let w = |sign: f64| (9.81 / 0.7 * (2.0 + sign * 2.0_f64.sqrt())).sqrt();
@@ -309,7 +311,7 @@ to = "top"
 "tip.wx" = 0
 "tip.wy" = 0
 "#;
-    let (i1, i3, moment) = (0.003 + 0.5 * 0.01, 0.004, 0.5 * 9.81 * 0.1);
+    let (i1, i3, moment): (f64, f64, f64) = (0.003 + 0.5 * 0.01, 0.004, 0.5 * 9.81 * 0.1);
     let limit = (4.0 * i1 * moment).sqrt() / i3;
     for spin in [0.9 * limit, 1.1 * limit] {
         let linear = good(text, &[("spin", &format!("{spin:.17e}"))], &[]);
