@@ -252,6 +252,8 @@ geometric = "spin"
 independent = ["ground.angle'", "lean'", "spin'"]
 [initial]
 height = "r"
+"ground.angle" = 0
+"spin" = 0
 "ground.angle'" = 0
 "lean'" = 0
 "spin'" = "4 rad/s"
@@ -267,14 +269,17 @@ const QUATERNION: &str = r#"
 
 #[test]
 fn disc_by_joints() {
-    let linear = good(&format!("{BODY}{CARRIED}"), &[], &["push"]);
-    assert_eq!(names(&linear, true), ["ground.x", "ground.y", "ground.angle", "spin"]);
-    let root = (0.8_f64 * (3.0 * 16.0 - 9.81 / 0.3)).sqrt();
-    has_eigenvalues(&linear, &[(0.0, root), (0.0, -root), (0.0, 0.0), (0.0, 0.0)], 1e-12);
-    let row = linear.states.iter().position(|s| s.name == "spin'").unwrap();
-    assert!((linear.b[(row, 0)] - 1.0 / (1.5 * 0.09)).abs() < 1e-12);
+    let text = format!("{BODY}{CARRIED}");
+    for (yaw, spin) in [("0", "0"), ("0.7", "0.4"), ("-2.1", "5")] {
+        let linear = good(&text, &[("ground.angle", yaw), ("spin", spin)], &["push"]);
+        assert_eq!(names(&linear, true), ["ground.x", "ground.y", "ground.angle", "spin"]);
+        let root = (0.8_f64 * (3.0 * 16.0 - 9.81 / 0.3)).sqrt();
+        has_eigenvalues(&linear, &[(0.0, root), (0.0, -root), (0.0, 0.0), (0.0, 0.0)], 1e-12);
+        let row = linear.states.iter().position(|s| s.name == "spin'").unwrap();
+        assert!((linear.b[(row, 0)] - 1.0 / (1.5 * 0.09)).abs() < 1e-12);
+    }
     // a contact point that would have to jump
-    refused(&format!("{BODY}{CARRIED}"), &[], &["r"], &["`r` cannot be an input"]);
+    refused(&text, &[], &["r"], &["`r` cannot be an input"]);
 }
 
 #[test]
