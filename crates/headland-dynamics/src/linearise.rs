@@ -230,7 +230,8 @@ pub fn linearise(
     let cyclic = steady::cyclic(&here.a, derivatives.displacements());
     steady::check_constant(&derivatives, &here, t, y, &cyclic)?;
     let states = derivatives.states(y, &cyclic);
-    let at_rest = here.rates.iter().all(|x| *x == 0.0);
+    let speeds = model.coordinates.iter().zip(&here.rates).map(|(c, rate)| rate.abs() / c.scale);
+    let at_rest = speeds.fold(0.0, f64::max) < 1e-12;
     let (displacements, inputs) = (derivatives.displacements(), derivatives.inputs());
     Ok(Linearised { t, at_rest, states, displacements, inputs, a: here.a, b: here.b, mass: here.mass })
 }
