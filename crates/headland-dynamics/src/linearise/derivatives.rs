@@ -1,5 +1,6 @@
 //! [`Derivatives`]: A and B at a state, column by column with dual numbers.
 
+use headland_expr::timeline::timeline;
 use headland_expr::{Dual, NodeId};
 use headland_model::Model;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, LU};
@@ -74,6 +75,24 @@ impl<'m> Derivatives<'m> {
     pub(super) fn depends_on_time(&self) -> bool {
         let time = self.model.input_index(self.model.time);
         self.model.graph.depends(&self.roots, |i| i == time).contains(&true) || self.tangent.depends_on(time)
+    }
+
+    /// Times after t at which functions of time show whether they change: spread over the run, and between breakpoints.
+    pub(super) fn telling_times(&self, t: f64) -> Vec<f64> {
+        let (model, until) = (self.model, self.model.run.until);
+        let (inputs, time) = (model.inputs(), model.input_index(model.time));
+        let mut varying = vec![true; inputs.len()];
+        varying[time] = false;
+        model.parameters.iter().for_each(|p| varying[p.input] = false);
+        let found = timeline(&model.graph, &self.roots, time, &inputs, |i| varying[i], t, until);
+        let mut borders = found.breakpoints;
+        borders.extend(found.windows.iter().flat_map(|w| [w.start, w.end]));
+        borders.extend((0..=16).map(|k| t + (until - t) * f64::from(k) / 16.0));
+        borders.retain(|b| (t..=until).contains(b));
+        borders.sort_by(f64::total_cmp);
+        borders.dedup();
+        // not in the middle: what swings may be zero there
+        borders.windows(2).take(500).map(|ends| ends[0] + 0.37 * (ends[1] - ends[0])).collect()
     }
 
     pub(super) fn states(&self, y: &[f64], cyclic: &[bool]) -> Vec<LinearState> {

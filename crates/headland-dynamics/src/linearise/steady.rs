@@ -91,8 +91,7 @@ pub(super) fn check_constant(
     let later = if moves {
         along_the_motion(derivatives, here, t, y)?
     } else if derivatives.depends_on_time() {
-        let run = &derivatives.model.run;
-        [0.013, 0.17, 0.61].map(|part| (part * (run.until - run.from), y.to_vec())).to_vec()
+        derivatives.telling_times(t).into_iter().map(|later| (later - t, y.to_vec())).collect()
     } else {
         return Ok(());
     };

@@ -409,6 +409,10 @@ B = "phi"
 fn what_depends_on_time_is_refused() {
     let text = OSCILLATOR.replace("value = \"F\"", "value = \"F*sin(t/1[s])\"");
     refused(&text, &[("F", "3")], &[], &["neither an equilibrium", "s later"]);
+    let late = OSCILLATOR.replace("value = \"F\"", "value = \"if(t >= 5.803[s] and t < 5.807[s], F, 0)\"");
+    let late = format!("{late}[run]\nuntil = 10\n");
+    refused(&late, &[("F", "3")], &[], &["neither an equilibrium", "5.80e0 s later"]);
+    assert!(good(&late, &[], &["F"]).at_rest);
     let shaken = OSCILLATOR.replace("value = \"F\"", "value = \"10[N/m]*sin(t)*(x - rest)\"");
     refused(&shaken, &[], &[], &["steady but its linear system is not", "∂(x')′/∂(x) goes from"]);
 }
