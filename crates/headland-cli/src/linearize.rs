@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use headland::dynamics::linearise::{LinearState, LineariseError, Linearised, Mode, linearise, start_of};
+use headland::dynamics::linearise::{LinearState, LineariseError, Linearised, Mode, linearise, pattern, start_of};
 use headland::{DeriveOptions, Model, derive, linear_summary};
 use serde_json::Value;
 
@@ -67,7 +67,7 @@ fn show(model: &Model, linear: &Linearised, modes: &[Mode], file: &Path) -> Stri
     let states: Vec<&LinearState> = kept.iter().map(|&i| &linear.states[i]).collect();
     let names: Vec<String> = states.iter().map(|s| s.name.clone()).collect();
     let _ = writeln!(text, "model   {}", model.title);
-    let about: Vec<String> = states.iter().map(|s| format!("{} = {} {}", s.name, s.value, s.unit)).collect();
+    let about: Vec<String> = states.iter().map(|s| format!("{} = {} {}", s.name, number(s.value), s.unit)).collect();
     let what = if linear.at_rest { "an equilibrium" } else { "a steady motion" };
     let _ = writeln!(text, "about   {what}: {}", about.join(", "));
     let cyclic: Vec<&str> = linear.states.iter().filter(|s| s.cyclic).map(|s| s.name.as_str()).collect();
@@ -75,7 +75,8 @@ fn show(model: &Model, linear: &Linearised, modes: &[Mode], file: &Path) -> Stri
         let _ = writeln!(text, "cyclic  {} (nothing depends on them; left out)", cyclic.join(", "));
     }
     let a = linear.reduced_a();
-    let _ = write!(text, "\n{}", matrix("A", &names, &names, |i, j| a[(i, j)]));
+    let there = pattern(&a);
+    let _ = write!(text, "\n{}", matrix("A", &names, &names, |i, j| if there[(i, j)] { a[(i, j)] } else { 0.0 }));
     if !linear.inputs.is_empty() {
         let b = linear.reduced_b();
         let inputs: Vec<String> = linear.inputs.iter().map(|s| s.name.clone()).collect();

@@ -34,6 +34,7 @@ use crate::error::DeriveError;
 use crate::initial::{assemble, initial_velocities};
 use derivatives::Derivatives;
 pub use modes::{Mode, modes};
+pub use steady::pattern;
 
 /// A state of the linear system, or one of its inputs.
 #[derive(Clone, PartialEq, Debug)]

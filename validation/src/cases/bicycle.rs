@@ -6,19 +6,20 @@
 
 use headland::dynamics::linearise::Linearised;
 
-use super::{reference, scene};
+use super::{model, reference};
 use crate::linear::LinearCase;
 
 const SOURCE: &str = "Meijaard, Papadopoulos, Ruina, Schwab 2007 (bicycle.json, 25 digits)";
-const NAMES: [&str; 2] = ["lean", "steer"];
+/// Lean to the right as in the benchmark, steer to the left and so with the other sign.
+const NAMES: [&str; 2] = ["place.roll", "steer"];
 const GRAVITY: f64 = 9.81;
 
 macro_rules! at_speed {
     ($name:literal, $v:literal) => {
         LinearCase {
             name: $name,
-            scene: scene!("bicycle"),
-            set: &[("v", $v)],
+            scene: model!("bicycle"),
+            set: &[("v", $v), ("roll_rate", "0")],
             allowed: 1e-11,
             compare: |linear| compare(linear, $v),
             bite: ("c", "0.0808"),
@@ -81,11 +82,14 @@ fn eigenvalues(linear: &Linearised, speed: &str) -> Vec<(String, f64, f64)> {
 /// `M` as it is in the equations; `v C1` and `g K0 + v² K2` from A.
 fn matrices(linear: &Linearised, v: f64) -> Vec<(String, f64, f64)> {
     let file = reference!("bicycle");
-    let canonical = |name: &str, i: usize, k: usize| file.number(&format!("/matrices_25_digits/{name}/{i}/{k}"));
+    let canonical = |name: &str, i: usize, k: usize| {
+        let sign = if i == k { 1.0 } else { -1.0 };
+        sign * file.number(&format!("/matrices_25_digits/{name}/{i}/{k}"))
+    };
     let find = |name: &str| linear.states.iter().position(|s| s.name == name);
     let mut all = Vec::new();
     let places: Option<Vec<(usize, usize)>> = NAMES.iter().map(|n| Some((find(n)?, find(&format!("{n}'"))?))).collect();
-    let Some(places) = places else { return vec![("states lean, steer, lean', steer'".into(), f64::NAN, 0.0)] };
+    let Some(places) = places else { return vec![("states place.roll, steer and their rates".into(), f64::NAN, 0.0)] };
     let m = |i: usize, k: usize| {
         let first = linear.displacements;
         linear.mass[(places[i].1 - first, places[k].1 - first)]

@@ -56,7 +56,7 @@ fn is_turn(derivatives: &Derivatives<'_>, velocity: usize) -> bool {
 }
 
 /// Which entries of A are there at all, rounding left out.
-pub(super) fn pattern(a: &DMatrix<f64>) -> DMatrix<bool> {
+pub fn pattern(a: &DMatrix<f64>) -> DMatrix<bool> {
     let all = a.amax() * NONE_OF_ALL;
     let rows: Vec<f64> = (0..a.nrows()).map(|i| (a.row(i).amax() * NONE_OF_ROW).max(all)).collect();
     DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)].abs() > rows[i])
