@@ -21,6 +21,10 @@ fn a_changed_scene_fails() {
         assert!(worst.ratio() > 2.0, "{} does not notice {:?}: {worst:?}", case.name, case.bite);
         assert!(!result.passed());
     }
+}
+
+#[test]
+fn a_changed_linear_scene_fails() {
     for case in linear_cases() {
         let result = case.run_with(&[case.bite]);
         assert_eq!(result.failure, None, "{}: {:?}", case.name, case.bite);
