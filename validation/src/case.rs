@@ -89,7 +89,7 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    fn new(quantity: String, moment: Moment, value: f64, expected: f64, allowed: Result<f64, f64>) -> Self {
+    pub(crate) fn new(quantity: String, moment: Moment, value: f64, expected: f64, allowed: Result<f64, f64>) -> Self {
         let size = expected.abs().max(1.0);
         let error = (value - expected).abs() / size;
         let allowed = allowed.unwrap_or_else(|absolute| absolute / size);

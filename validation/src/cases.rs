@@ -1,5 +1,6 @@
 //! The table of reference problems.
 
+mod bicycle;
 mod loops;
 mod nonholonomic;
 mod oscillators;
@@ -9,6 +10,7 @@ mod tops;
 mod trains;
 
 use crate::case::Case;
+use crate::linear::LinearCase;
 
 /// All problems whose method is built.
 pub fn cases() -> impl Iterator<Item = &'static Case> {
@@ -24,6 +26,11 @@ pub fn cases() -> impl Iterator<Item = &'static Case> {
     .into_iter()
     .flatten()
     .filter(|case| case.is_built())
+}
+
+/// All problems of linearisation.
+pub fn linear_cases() -> impl Iterator<Item = &'static LinearCase> {
+    bicycle::CASES.iter()
 }
 
 /// A scene of `models/`, compiled in.

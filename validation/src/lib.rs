@@ -10,6 +10,7 @@
 //! # Pipeline
 //! 1. [`cases()`]: the table, one [`Case`] a row, from `cases/*.rs`; scenes and reference files are compiled in.
 //! 2. [`Case::run`] builds the scene, changes what the case sets, integrates and compares.
+//!    [`linear_cases()`] are scenes linearised about their start, by [`LinearCase::run`].
 //! 3. [`CaseResult`] has the worst comparison; [`to_table`] and [`to_json`] show it.
 //!
 //! The error of a value is absolute relative to `max(1, |reference|)`; beside the values, the largest defect of work
@@ -19,22 +20,25 @@
 mod case;
 pub mod cases;
 mod closed;
+mod linear;
 mod reference;
 mod report;
 
 pub use case::{Case, CaseResult, Comparison, Expected, Moment};
-pub use cases::cases;
+pub use cases::{cases, linear_cases};
+pub use linear::LinearCase;
 pub use report::{to_json, to_table};
 
 /// Names of all problems.
 #[must_use]
 pub fn names() -> Vec<&'static str> {
-    cases().map(|c| c.name).collect()
+    cases().map(|c| c.name).chain(linear_cases().map(|c| c.name)).collect()
 }
 
 /// Runs the problems whose names contain one of the given ones; all of them if none is given.
 #[must_use]
 pub fn run(names: &[String]) -> Vec<CaseResult> {
-    let wanted = |case: &&Case| names.is_empty() || names.iter().any(|n| case.name.contains(n.as_str()));
-    cases().filter(wanted).map(Case::run).collect()
+    let wanted = |name: &str| names.is_empty() || names.iter().any(|n| name.contains(n.as_str()));
+    let runs = cases().filter(|c| wanted(c.name)).map(Case::run);
+    runs.chain(linear_cases().filter(|c| wanted(c.name)).map(LinearCase::run)).collect()
 }

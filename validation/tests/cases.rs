@@ -1,7 +1,7 @@
 //! All reference problems pass, and each notices when its scene is changed by one per cent.
 
 use approx::assert_relative_eq;
-use headland_validation::{CaseResult, cases, names, run, to_json, to_table};
+use headland_validation::{CaseResult, cases, linear_cases, names, run, to_json, to_table};
 
 #[test]
 fn all_pass() {
@@ -20,6 +20,15 @@ fn a_changed_scene_fails() {
         let worst = result.worst.as_ref().expect("compared");
         assert!(worst.ratio() > 2.0, "{} does not notice {:?}: {worst:?}", case.name, case.bite);
         assert!(!result.passed());
+    }
+}
+
+#[test]
+fn a_changed_linear_scene_fails() {
+    for case in linear_cases() {
+        let result = case.run_with(&[case.bite]);
+        assert_eq!(result.failure, None, "{}: {:?}", case.name, case.bite);
+        assert!(result.ratio > 2.0, "{} does not notice {:?}", case.name, case.bite);
     }
 }
 

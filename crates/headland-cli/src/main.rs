@@ -4,6 +4,7 @@
 mod check;
 mod derive;
 mod files;
+mod linearize;
 mod load;
 mod plot;
 mod progress;
@@ -30,6 +31,9 @@ enum Command {
     Run(run::RunArgs),
     /// Print the equations of motion
     Derive(derive::DeriveArgs),
+    /// Linearise about the start, an equilibrium or a steady motion: A, B, eigenvalues
+    #[command(alias = "linearise")]
+    Linearize(linearize::LinearizeArgs),
     /// Say everything that is wrong with a scene, or what it is
     Check(SceneArgs),
     /// Print the JSON Schema of scene files, for editors
@@ -98,6 +102,7 @@ fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Run(args) => run::run(&args),
         Command::Derive(args) => derive::derive(&args),
+        Command::Linearize(args) => linearize::linearize(&args),
         Command::Check(args) => check::check(&args),
         Command::Schema => print(&format!("{:#}\n", headland::model::format::json_schema())),
         #[cfg(feature = "validate")]

@@ -68,7 +68,7 @@ fn help_and_version() {
     let folder = Folder::new();
     assert!(folder.good(&["--version"]).contains(env!("CARGO_PKG_VERSION")));
     let help = folder.good(&["--help"]);
-    for command in ["run", "derive", "check", "schema"] {
+    for command in ["run", "derive", "linearize", "check", "schema"] {
         assert!(help.contains(command), "{help}");
     }
     assert!(folder.good(&["run", "--help"]).contains("--tol"));
@@ -161,4 +161,33 @@ fn not_utf8_is_told() {
     let folder = Folder::new();
     std::fs::write(folder.0.join("bytes.toml"), [0xff, 0xfe, 0x00, 0x41]).unwrap_or_else(|e| panic!("{e}"));
     folder.wrong(&["check", "bytes.toml"], &["bytes.toml"]);
+}
+
+#[test]
+fn linearize_gives_matrices_and_eigenvalues() {
+    let folder = Folder::new();
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/bicycle.toml");
+    let text = folder.good(&["linearize", scene, "--set", "roll_rate=0", "--set", "v=5", "--input", "steer_torque"]);
+    for part in
+        ["about   a steady motion", "cyclic  place.x, place.y, place.yaw, rear, front", "(steer')'", "-14.07839"]
+    {
+        assert!(text.contains(part), "no `{part}` in\n{text}");
+    }
+    assert!(text.contains("-0.7753419 ± 4.464868i"), "{text}");
+    let json = folder.good(&["linearise", scene, "--set", "roll_rate=0", "--json", "--out", "here"]);
+    let printed: serde_json::Value = serde_json::from_str(&json).unwrap_or_else(|e| panic!("{e}"));
+    let file = |name: &str| -> serde_json::Value {
+        serde_json::from_str(&folder.read(name)).unwrap_or_else(|e| panic!("{e}"))
+    };
+    assert_eq!(printed, file("here/linear.json"));
+    assert_eq!(printed["states"][0]["name"], "place.roll");
+    assert_eq!(printed["modes"].as_array().map(Vec::len), Some(5));
+    assert_eq!(file("out/bicycle/linear.json")["inputs"][0]["name"], "steer_torque");
+    folder
+        .wrong(&["linearize", scene, "--input", "torque"], &["--input", "`torque` is not a parameter", "steer_torque"]);
+    folder.wrong(&["linearize", scene, "--input", "rR"], &["`rR` cannot be an input"]);
+    folder.wrong(
+        &["linearize", scene, "--set", "roll_rate=0", "--set", "steer_torque=1"],
+        &["neither an equilibrium", "(steer')′", "--set"],
+    );
 }

@@ -64,6 +64,7 @@ pub use headland_model as model;
 pub use headland_sim as sim;
 pub use headland_solve as solve;
 
+pub use headland_dynamics::linearise::{LinearState, LineariseError, Linearised, Mode, linearise};
 pub use headland_dynamics::present::{Form, equations_text};
 pub use headland_dynamics::{Algorithm, DeriveError, DeriveOptions, Equations, derive};
 pub use headland_model::{Model, ModelError, Scene};
@@ -83,6 +84,47 @@ pub fn summary(report: &RunReport) -> serde_json::Value {
     summary
 }
 
+/// A linear system with its eigenvalues and the versions of what made it: what `linear.json` holds.
+///
+/// Matrices row by row, SI units. `a` and `b` are of `states`; `full` has the cyclic displacements as well.
+pub fn linear_summary(title: &str, linear: &Linearised, modes: &[Mode]) -> serde_json::Value {
+    use serde_json::{Value, json};
+    let state = |s: &LinearState| json!({ "name": s.name, "unit": s.unit, "value": s.value });
+    let names = |cyclic: bool| linear.states.iter().filter(move |s| s.cyclic == cyclic);
+    let kept = linear.kept();
+    let all: Vec<usize> = (0..linear.states.len()).collect();
+    let inputs: Vec<usize> = (0..linear.inputs.len()).collect();
+    let velocities: Vec<usize> = (0..linear.mass.nrows()).collect();
+    let matrix = |rows: &[usize], columns: &[usize], value: &dyn Fn(usize, usize) -> f64| -> Value {
+        rows.iter().map(|&i| columns.iter().map(|&j| value(i, j)).collect::<Vec<f64>>()).collect::<Vec<_>>().into()
+    };
+    let mode = |m: &Mode| {
+        let of: Vec<&str> = m.states.iter().map(|&i| linear.states[kept[i]].name.as_str()).collect();
+        json!({
+            "eigenvalue": [m.re, m.im], "frequency_hz": m.frequency(), "damping": m.damping(),
+            "half_life_s": m.half_life(), "states": of,
+        })
+    };
+    json!({
+        "title": title,
+        "about": if linear.at_rest { "equilibrium" } else { "steady motion" },
+        "t": linear.t,
+        "states": names(false).map(state).collect::<Vec<_>>(),
+        "cyclic": names(true).map(state).collect::<Vec<_>>(),
+        "inputs": linear.inputs.iter().map(state).collect::<Vec<_>>(),
+        "a": matrix(&kept, &kept, &|i, j| linear.a[(i, j)]),
+        "b": matrix(&kept, &inputs, &|i, j| linear.b[(i, j)]),
+        "modes": modes.iter().map(mode).collect::<Vec<_>>(),
+        "full": {
+            "states": linear.states.iter().map(|s| s.name.as_str()).collect::<Vec<_>>(),
+            "a": matrix(&all, &all, &|i, j| linear.a[(i, j)]),
+            "b": matrix(&all, &inputs, &|i, j| linear.b[(i, j)]),
+            "mass": matrix(&velocities, &velocities, &|i, j| linear.mass[(i, j)]),
+        },
+        "versions": { "headland": env!("CARGO_PKG_VERSION") },
+    })
+}
+
 /// Whatever can go wrong between a scene and a run; each stage has its own error.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -93,6 +135,9 @@ pub enum Error {
     /// The derivation.
     #[error(transparent)]
     Derive(#[from] DeriveError),
+    /// The linearisation.
+    #[error(transparent)]
+    Linearise(#[from] LineariseError),
     /// The run.
     #[error(transparent)]
     Run(#[from] RunError),
