@@ -146,3 +146,24 @@ fn keys_that_say_nothing_to_a_joint_are_refused() {
         assert!(message.contains(key) && message.contains("says nothing"), "{message}");
     }
 }
+
+#[test]
+fn a_family_of_joints_is_driven_as_a_whole() {
+    let text = r#"
+        title = "Two hinges, one driven"
+        [indices]
+        k = 2
+        [[body]]
+        name = "rod[k]"
+        mass = 1
+        shape = "box"
+        size = [1, 0.1, 0.1]
+        [[joint]]
+        name = "hinge[k]"
+        kind = "revolute"
+        to = "rod[k]"
+        [prescribed]
+        "hinge[1]" = "1[rad/s]*t"
+    "#;
+    assert!(errors(text).contains("`hinge[2]` has no function of time"), "{}", errors(text));
+}

@@ -346,7 +346,14 @@ impl<'s, 'g> Builder<'s, 'g> {
     fn drive(&mut self, j: usize, part: &str) -> Made<Drive<'g>> {
         let (family, member, full) = self.part_name(j, part)?;
         let graph = self.low.graph;
-        if let Some((position, _, Symbol::Definition(..))) = self.low.symbols.by_name.get_full(family.as_str()) {
+        if let Some((position, _, Symbol::Definition(rules, _))) = self.low.symbols.by_name.get_full(family.as_str()) {
+            if !rules.contains_key(&member) {
+                let place = self.assembly.joints[j].place.clone();
+                let message = format!(
+                    "`{full}` has no function of time, but others of its family have: [prescribed] gives all members or none"
+                );
+                return Err(self.low.report(place, message));
+            }
             let value = self.low.definition(position, member)?.expr;
             let place = self.assembly.joints[j].place.clone();
             let mut derivative = |n| {
