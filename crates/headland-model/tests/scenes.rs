@@ -131,3 +131,39 @@ fn the_only_coordinate_of_a_joint_can_be_driven() {
     assert_eq!((model.coordinates.len(), model.prescribed.len()), (1, 1));
     assert!(errors(&text("axle = \"2[rad/s]*t\"\nslide = 1")).contains("nothing in the scene can move"));
 }
+
+#[test]
+fn keys_that_say_nothing_to_a_joint_are_refused() {
+    let text = |joint: &str| {
+        format!("title = \"t\"\n[[body]]\nname = \"b\"\nmass = 1\n[[joint]]\nname = \"j\"\nto = \"b\"\n{joint}\n")
+    };
+    for (joint, key) in [
+        ("kind = \"planar\"\naxis = \"y\"", "`axis`"),
+        ("kind = \"revolute\"\nlead = 0.1", "`lead`"),
+        ("kind = \"universal\"\norientation = \"rpy\"", "`orientation`"),
+    ] {
+        let message = errors(&text(joint));
+        assert!(message.contains(key) && message.contains("says nothing"), "{message}");
+    }
+}
+
+#[test]
+fn a_family_of_joints_is_driven_as_a_whole() {
+    let text = r#"
+        title = "Two hinges, one driven"
+        [indices]
+        k = 2
+        [[body]]
+        name = "rod[k]"
+        mass = 1
+        shape = "box"
+        size = [1, 0.1, 0.1]
+        [[joint]]
+        name = "hinge[k]"
+        kind = "revolute"
+        to = "rod[k]"
+        [prescribed]
+        "hinge[1]" = "1[rad/s]*t"
+    "#;
+    assert!(errors(text).contains("`hinge[2]` has no function of time"), "{}", errors(text));
+}

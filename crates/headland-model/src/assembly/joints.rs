@@ -59,6 +59,11 @@ impl JointKind {
         }
     }
 
+    /// Whether it turns or shifts about one axis, which the scene may choose.
+    pub(crate) fn has_axis(self) -> bool {
+        matches!(self, Self::Revolute | Self::Prismatic | Self::Screw | Self::Cylindrical)
+    }
+
     /// Whether it turns freely.
     pub(crate) fn is_ball(self) -> bool {
         matches!(self, Self::Spherical | Self::Free)

@@ -41,6 +41,7 @@ impl<'s, 'g> Builder<'s, 'g> {
                 return Err(self.low.report(other.place.clone(), "`orientation` is \"quaternion\" or \"rpy\""));
             }
         };
+        self.refuse_idle_keys(element, kind)?;
         let cut = matches!(element.get("cut").map(|v| &v.data), Some(Data::Flag(true)));
         let position = self.assembly.joints.len();
         let full = self.declare_member(element, name, &binding, "a joint", position)?;
@@ -52,6 +53,23 @@ impl<'s, 'g> Builder<'s, 'g> {
         let place = element.place.clone();
         let element = Some((element, binding));
         self.assembly.joints.push(JointEntry { name: full, place, kind, from, to, element, cut, by_angles });
+        Ok(())
+    }
+
+    /// A key that says nothing to a kind of joint was meant to.
+    fn refuse_idle_keys(&mut self, element: &SceneElement, kind: JointKind) -> Made<()> {
+        let serves = [
+            ("axis", kind.has_axis(), "its axes are those of its frame, which `rpy` turns"),
+            ("lead", kind == JointKind::Screw, "it belongs to a screw"),
+            ("orientation", kind.is_ball(), "it belongs to `spherical` and `free`"),
+        ];
+        for (key, _, why) in serves.into_iter().filter(|(_, serves, _)| !serves) {
+            if let Some(value) = element.get(key) {
+                let word = JointKind::ALL.iter().find(|(_, k)| *k == kind).map_or("", |(n, _)| *n);
+                let place = value.place.clone();
+                return Err(self.low.report(place, format!("`{key}` says nothing to a joint of kind `{word}`: {why}")));
+            }
+        }
         Ok(())
     }
 
@@ -328,7 +346,14 @@ impl<'s, 'g> Builder<'s, 'g> {
     fn drive(&mut self, j: usize, part: &str) -> Made<Drive<'g>> {
         let (family, member, full) = self.part_name(j, part)?;
         let graph = self.low.graph;
-        if let Some((position, _, Symbol::Definition(..))) = self.low.symbols.by_name.get_full(family.as_str()) {
+        if let Some((position, _, Symbol::Definition(rules, _))) = self.low.symbols.by_name.get_full(family.as_str()) {
+            if !rules.contains_key(&member) {
+                let place = self.assembly.joints[j].place.clone();
+                let message = format!(
+                    "`{full}` has no function of time, but others of its family have: [prescribed] gives all members or none"
+                );
+                return Err(self.low.report(place, message));
+            }
             let value = self.low.definition(position, member)?.expr;
             let place = self.assembly.joints[j].place.clone();
             let mut derivative = |n| {
