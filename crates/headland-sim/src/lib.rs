@@ -24,6 +24,7 @@ pub mod balance;
 pub mod functions;
 pub mod loops;
 pub mod options;
+mod passage;
 pub mod project;
 mod record;
 pub mod report;

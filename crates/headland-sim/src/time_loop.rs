@@ -11,6 +11,7 @@ use headland_solve::{Integrator, Method, SolveError, Stats, Step};
 
 use crate::balance::Balance;
 use crate::options::{RunError, RunOptions};
+use crate::passage::Passage;
 use crate::record::Recorder;
 use crate::report::{LogEntry, Observer, Status};
 use crate::schedule::Schedule;
@@ -19,6 +20,10 @@ use crate::work::{Work, solver_options, start_state};
 
 /// Growth of the partition, the largest scaled entry of G, at which better independent rates are looked for.
 const GROWTH: f64 = 3.0;
+
+/// Tolerances of error that a step over a place where the constraints lose rank may have: it is no longer than the method
+/// proposed, so that what is more than one tolerance is rounding, which a shorter step would only enlarge.
+const LENIENCY: f64 = 1e4;
 
 /// A run in progress.
 pub(crate) struct TimeLoop<'m> {
@@ -34,8 +39,7 @@ pub(crate) struct TimeLoop<'m> {
     balance: Option<Balance>,
     growth_limit: f64,
     warned: Vec<bool>,
-    /// Pivots of the elimination after the last step.
-    pivots: Vec<f64>,
+    passage: Passage,
     /// Passages through places where the constraints lose rank.
     passages: u64,
     known: Vec<(Equations, Rc<System>)>,
@@ -85,7 +89,7 @@ impl<'m> TimeLoop<'m> {
             y,
             balance: options.balance.then(|| Balance::new(system.clone())),
             warned: vec![false; model.guards.len()],
-            pivots: Vec::new(),
+            passage: Passage::default(),
             passages: 0,
             known: vec![(equations.clone(), system)],
             equations: equations.clone(),
@@ -166,8 +170,17 @@ impl<'m> TimeLoop<'m> {
     fn advance(&mut self, recorder: &mut Recorder, observer: &mut dyn Observer) -> Result<(), SolveError> {
         let t = self.integrator.t();
         self.integrator.set_h_max(self.schedule.longest_step(t));
-        let step = self.integrator.step(&mut self.work.problem, self.schedule.next_stop(t))?;
+        let mut stop = self.schedule.next_stop(t);
+        if let Some(h) = self.integrator.proposed_step().and_then(|h| self.passage.step(t, h))
+            && t + h < stop
+        {
+            stop = t + h;
+            self.integrator.set_leniency(LENIENCY);
+        }
+        let step = self.integrator.step(&mut self.work.problem, stop)?;
+        self.integrator.set_leniency(1.0);
         let t = self.integrator.t();
+        self.watch_rank(observer)?;
         if let Some(balance) = &mut self.balance {
             balance.add_step(&mut self.work.problem, self.integrator.as_mut())?;
         }
@@ -188,7 +201,9 @@ impl<'m> TimeLoop<'m> {
         let breakpoint = matches!(step, Step::End { .. }) && self.schedule.is_breakpoint(t);
         let stiff = self.leave_explicit(t, observer)?;
         let changed = self.repartition(t, observer)?;
-        self.watch_rank(t, changed, observer);
+        if changed {
+            self.passage.forget();
+        }
         if breakpoint || stiff || changed {
             let before = self.work.kinetic(t, &self.y);
             let (a, b) = self.schedule.span(t);
@@ -270,16 +285,11 @@ impl<'m> TimeLoop<'m> {
         Ok(true)
     }
 
-    /// Where the product of the pivots has changed its sign, the constraints were dependent on the way, and the motion could
-    /// have branched. It goes on smoothly, along the same branch. (Two pivots that change together mean nothing: one went
-    /// through zero and the next through infinity, which another order of rows would not have had.)
-    fn watch_rank(&mut self, t: f64, changed: bool, observer: &mut dyn Observer) {
-        let pivots = self.work.pivots(t, &self.y).to_vec();
-        let flipped = |k: &usize| self.pivots[*k].signum() != pivots[*k].signum();
-        let same = !changed && self.pivots.len() == pivots.len();
-        let passed: Vec<usize> = if same { (0..pivots.len()).filter(flipped).collect() } else { Vec::new() };
-        self.pivots = pivots;
-        let Some(&k) = passed.first().filter(|_| passed.len() % 2 == 1) else { return };
+    /// Where a pivot went through zero, the constraints were dependent on the way, and the motion could have branched. It
+    /// goes on smoothly, along the same branch.
+    fn watch_rank(&mut self, observer: &mut dyn Observer) -> Result<(), SolveError> {
+        let t = self.integrator.t();
+        let Some(k) = self.passage.look(&mut self.work, self.integrator.as_mut())? else { return Ok(()) };
         self.passages += 1;
         let name = &self.model.kinematics[self.work.system.pivot_rows[k]].name;
         let message = format!(
@@ -290,6 +300,7 @@ impl<'m> TimeLoop<'m> {
             observer.message(t, &message);
         }
         self.ending.log.push(LogEntry { t, message });
+        Ok(())
     }
 
     /// Constraints left out as redundant must go on to follow from the others; where one does not any more, the choice is

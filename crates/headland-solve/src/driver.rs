@@ -50,6 +50,12 @@ pub(crate) trait Stepper: Send {
     /// The same without evaluations, perhaps less accurate.
     fn sketch(&mut self, t: f64, y: &mut [f64]);
     fn set_h_max(&mut self, h: f64);
+    fn proposed_step(&self) -> Option<f64> {
+        None
+    }
+    fn set_leniency(&mut self, factor: f64) {
+        let _ = factor;
+    }
     fn looks_stiff(&self) -> bool {
         false
     }
@@ -241,6 +247,14 @@ where
 
     fn set_h_max(&mut self, h: f64) {
         Self::set_h_max(self, h);
+    }
+
+    fn proposed_step(&self) -> Option<f64> {
+        self.stepper.proposed_step()
+    }
+
+    fn set_leniency(&mut self, factor: f64) {
+        self.stepper.set_leniency(factor);
     }
 
     fn events_waiting(&self) -> usize {

@@ -93,6 +93,17 @@ pub trait Integrator: Send {
     /// If `h` is not positive.
     fn set_h_max(&mut self, h: f64);
 
+    /// The step that the method would take next, where it says so beforehand (explicit Runge-Kutta only).
+    fn proposed_step(&self) -> Option<f64> {
+        None
+    }
+
+    /// From here on takes errors of a step up to `factor` tolerances, 1 at first: for places where rounding is larger than
+    /// the tolerance and shorter steps do not help. Explicit Runge-Kutta only; others go on as they are.
+    fn set_leniency(&mut self, factor: f64) {
+        let _ = factor;
+    }
+
     /// Events at the same time that the next calls of [`step`](Self::step) will report.
     fn events_waiting(&self) -> usize;
 
