@@ -125,7 +125,7 @@ fn events_stop_it_where_they_stop_elimination() {
     assert!((a.report.t_end - b.report.t_end).abs() < 1e-7, "{} {}", a.report.t_end, b.report.t_end);
 }
 
-/// The table of `docs/benchmarks.md`: `cargo test --release -p headland-sim --test dae -- --ignored --nocapture`.
+/// The table of `docs/benchmarks.md`: `cargo test -p headland-sim --test dae -- --ignored --nocapture table`.
 #[test]
 #[ignore = "a measurement"]
 fn table() {
