@@ -130,7 +130,7 @@ pub(crate) struct Solved {
 }
 
 /// The named quasi-velocities that are independent, then independent rates.
-fn quasi_velocities(model: &Model, solved: &[Option<NodeId>]) -> Vec<Quasi> {
+pub(crate) fn quasi_velocities(model: &Model, solved: &[Option<NodeId>]) -> Vec<Quasi> {
     let nq = model.coordinates.len();
     let named = model.quasi_velocities.iter().enumerate().filter(|(k, _)| solved[nq + k].is_none());
     let named = named.map(|(k, u)| Quasi {
@@ -156,7 +156,7 @@ fn quasi_velocities(model: &Model, solved: &[Option<NodeId>]) -> Vec<Quasi> {
 
 /// Rates of the velocities at `u′ = 0`: zero for independent ones, from elimination where it gives them, else by
 /// differentiation.
-fn drift(model: &Model, velocities: &[NodeId], solved: &Solved) -> Vec<NodeId> {
+pub(crate) fn drift(model: &Model, velocities: &[NodeId], solved: &Solved) -> Vec<NodeId> {
     let graph = &model.graph;
     let flow = Flow::of_velocities(model, velocities);
     let eliminated: Vec<NodeId> = solved.drift.iter().flatten().copied().collect();
@@ -198,7 +198,7 @@ pub(crate) fn by_quasi_velocities(model: &Model, quasi: &[Quasi], nodes: &[NodeI
 }
 
 /// `G` must not contain velocities.
-fn check_linear(model: &Model, quasi: &[Quasi], velocities: &[NodeId]) -> Result<(), DeriveError> {
+pub(crate) fn check_linear(model: &Model, quasi: &[Quasi], velocities: &[NodeId]) -> Result<(), DeriveError> {
     let graph = &model.graph;
     let u_inputs: Vec<usize> = quasi.iter().map(|u| model.input_index(u.u)).collect();
     let rows = by_quasi_velocities(model, quasi, velocities);

@@ -19,11 +19,13 @@
 //! In order: [`kinematics`] makes (2) of (1), [`structures`] differentiates what the elements are given on,
 //! [`scalar_inertia`] refuses what would be wrong, [`direct`] and [`combine`] are algorithms [10] and [9] of the
 //! article, [`compare`] holds one against the other, [`solve`] is `M u′ = F`, [`energy`] the balance, [`initial`] the
-//! start, [`derive`](mod@derive) does it all, and [`present`] writes it down.
+//! start, [`derive`](mod@derive) does it all, and [`present`] writes it down. [`descriptor`] has the same equations with
+//! nothing eliminated, by multipliers.
 
 pub mod combine;
 pub mod compare;
 pub mod derive;
+pub mod descriptor;
 pub mod direct;
 pub mod eliminate;
 pub mod energy;
@@ -41,6 +43,7 @@ pub mod structures;
 pub mod tree;
 
 pub use derive::{Algorithm, DeriveOptions, Equations, choose_dependent, derive, derive_at};
+pub use descriptor::{Descriptor, form_descriptor};
 pub use energy::Energies;
 pub use error::DeriveError;
 pub use initial::initial_velocities;

@@ -50,7 +50,7 @@ pub fn form_derived(model: &Model, kinematics: &Kinematics, s: &Structures<'_>, 
 }
 
 /// `J d″ − P` of each row, by u′.
-fn row_balances<'g>(kinematics: &Kinematics, model: &'g Model, s: &Structures<'g>) -> Vec<Expr<'g>> {
+pub(crate) fn row_balances<'g>(kinematics: &Kinematics, model: &'g Model, s: &Structures<'g>) -> Vec<Expr<'g>> {
     let graph = &model.graph;
     let acceleration = |e: usize| {
         let terms = s.w[e].iter().zip(&kinematics.quasi).map(|(w, u)| *w * graph.expr(u.acceleration));

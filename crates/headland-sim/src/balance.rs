@@ -8,8 +8,9 @@
 use std::rc::Rc;
 
 use headland_code::{Evaluator, Function, TapeEvaluator};
-use headland_solve::{Integrator, SolveError};
+use headland_solve::SolveError;
 
+use crate::stepper::Stepper;
 use crate::system::{Problem, System};
 
 /// Abscissas on (0, 1) and weights of Gauss' rule with four points.
@@ -77,12 +78,13 @@ impl Balance {
     ///
     /// # Errors
     /// If the dense output cannot be evaluated.
-    pub fn add_step(&mut self, problem: &mut Problem, integrator: &mut dyn Integrator) -> Result<(), SolveError> {
+    pub fn add_step(&mut self, problem: &mut Problem, integrator: &mut Stepper) -> Result<(), SolveError> {
         let (t0, t1) = (integrator.t_previous(), integrator.t());
         let h = t1 - t0;
         if h > 0.0 {
             for (c, weight) in GAUSS {
                 let mut y = std::mem::take(&mut self.y);
+                y.resize(integrator.y().len(), 0.0);
                 integrator.interpolate(problem, t0 + c * h, &mut y)?;
                 let (_, _, power) = self.evaluate(problem, t0 + c * h, &y);
                 self.y = y;

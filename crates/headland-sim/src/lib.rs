@@ -18,9 +18,12 @@
 //!
 //! In order: [`system`] compiles the equations, `schedule` knows at which times a method must stop, `time_loop` steps,
 //! watches and changes the partition, `record` writes rows, [`balance`] keeps the energy's account, [`report`] tells,
-//! and [`run`](mod@run) does it all. Beside them, [`functions`] gives M, F, q′, u′ and their Jacobian to whoever steps himself.
+//! and [`run`](mod@run) does it all. Beside them, [`functions`] gives M, F, q′, u′ and their Jacobian to whoever steps himself; [`stepper`] is what
+//! steps, and `dae` the other formulation: constraints with multipliers, for IDA.
 
 pub mod balance;
+#[cfg(feature = "ida")]
+pub mod dae;
 pub mod functions;
 pub mod loops;
 pub mod options;
@@ -30,6 +33,7 @@ mod record;
 pub mod report;
 pub mod run;
 mod schedule;
+pub mod stepper;
 pub mod system;
 mod time_loop;
 mod work;

@@ -5,8 +5,9 @@
 //! that will vanish within the next step is seen beforehand, and the step is made so that the place falls into the widest
 //! gap between the times at which the method evaluates.
 
-use headland_solve::{Integrator, SolveError};
+use headland_solve::SolveError;
 
+use crate::stepper::Stepper;
 use crate::work::Work;
 
 /// Gaps between the abscissae of Dormand and Prince's method of order 8, by their middle: wide ones first.
@@ -25,11 +26,7 @@ impl Passage {
     ///
     /// # Errors
     /// If the dense output cannot be evaluated.
-    pub(crate) fn look(
-        &mut self,
-        work: &mut Work,
-        integrator: &mut dyn Integrator,
-    ) -> Result<Option<usize>, SolveError> {
+    pub(crate) fn look(&mut self, work: &mut Work, integrator: &mut Stepper) -> Result<Option<usize>, SolveError> {
         self.ahead = None;
         let (t0, t1) = (integrator.t_previous(), integrator.t());
         let y = integrator.y().to_vec();

@@ -2,10 +2,11 @@
 
 use headland_code::Evaluator;
 use headland_model::Model;
-use headland_solve::{Integrator, SolveError};
+use headland_solve::SolveError;
 
 use crate::options::RunOptions;
 use crate::report::Trajectory;
+use crate::stepper::Stepper;
 use crate::work::Work;
 
 /// Output times and rows.
@@ -84,7 +85,7 @@ impl Recorder {
     }
 
     /// Rows for all output times up to where the integrator is.
-    pub(crate) fn catch_up(&mut self, work: &mut Work, integrator: &mut dyn Integrator) -> Result<(), SolveError> {
+    pub(crate) fn catch_up(&mut self, work: &mut Work, integrator: &mut Stepper) -> Result<(), SolveError> {
         while let Some(&t) = self.ahead.last().filter(|t| **t <= integrator.t()) {
             self.ahead.pop();
             let mut y = std::mem::take(&mut self.y);

@@ -6,6 +6,8 @@ use std::cell::OnceCell;
 use std::rc::Rc;
 
 use headland_code::{Evaluator, Function, Jacobian, TapeEvaluator, TapeFunction};
+#[cfg(feature = "ida")]
+use headland_dynamics::descriptor::{ByMultipliers, Descriptor};
 use headland_dynamics::solve::{packed, solve_crout, solve_ldl, unpack};
 use headland_dynamics::{Equations, Kinematics};
 use headland_expr::{Expr, Graph, NodeId};
@@ -73,16 +75,53 @@ pub struct System {
     events: TapeFunction,
     /// What each event function watches.
     pub watches: Vec<Watch>,
+    /// Multipliers that stand as inputs behind u′: none with elimination.
+    pub multipliers: usize,
+    /// The residual for IDA, of a system in which nothing is eliminated.
+    #[cfg(feature = "ida")]
+    pub dae: Option<crate::dae::DaeFunctions>,
 }
 
 impl System {
     /// Compiles the equations with the model's parameters folded in.
     pub fn new(model: &Model, equations: &Equations) -> Self {
+        let graph = Graph::new();
+        let copy = Copy::new(model, &equations.kinematics, &graph);
+        let made = Self::compile(model, equations, &graph, &copy, Expr::Const(0.0));
+        Self { graph, ..made }
+    }
+
+    /// Compiles the equations in which nothing is eliminated, for IDA. Functions take `x = [t, q, v, v′, λ, μ, q′]`.
+    #[cfg(feature = "ida")]
+    pub fn of_descriptor(model: &Model, descriptor: &Descriptor, form: crate::dae::Form) -> Self {
+        let graph = Graph::new();
+        let kinematics = &descriptor.equations.kinematics;
+        let mut copy = Copy::new(model, kinematics, &graph);
+        let lambda = crate::dae::multiplier_inputs(descriptor, &graph);
+        let by_multipliers = |copy: &Copy<'_>, value: &ByMultipliers| {
+            let node = |id: NodeId| copy.nodes(&[id])[0];
+            value
+                .parts
+                .iter()
+                .fold(graph.expr(node(value.own)), |sum, (k, part)| sum + graph.expr(node(*part)) * lambda[*k])
+        };
+        let derived: Vec<Expr<'_>> = descriptor.derived.iter().map(|value| by_multipliers(&copy, value)).collect();
+        for (quantity, value) in model.derived.iter().zip(derived) {
+            copy.inputs[model.input_index(quantity.input)] = Some(value);
+        }
+        let drives = by_multipliers(&copy, &descriptor.drives);
+        let scales = model.coordinates.iter().map(|c| c.scale).chain(kinematics.quasi.iter().map(|u| u.scale));
+        let scales: Vec<f64> = scales.collect();
+        let functions = crate::dae::DaeFunctions::new(descriptor, form, &scales, &graph, &copy);
+        let made = Self::compile(model, &descriptor.equations, &graph, &copy, drives);
+        Self { graph, multipliers: descriptor.constraints.len(), dae: Some(functions), ..made }
+    }
+
+    /// Everything but the graph; `drives` is power besides that of the equations.
+    fn compile(model: &Model, equations: &Equations, graph: &Graph, copy: &Copy<'_>, drives: Expr<'_>) -> Self {
         let kinematics = equations.kinematics.clone();
         let (nq, nu) = (kinematics.rates.len(), kinematics.quasi.len());
         let unrolled = equations.accelerations.is_some();
-        let graph = Graph::new();
-        let copy = Copy::new(model, &kinematics, &graph);
 
         let mut roots = kinematics.rates.clone();
         match &equations.accelerations {
@@ -107,11 +146,11 @@ impl System {
         let redundant = constraints.enumerate().filter(|(_, (row, _))| kinematics.redundant.contains(row));
         let redundant: Vec<usize> = redundant.map(|(position, _)| position).collect();
         let (watches, events) =
-            Self::event_nodes(model, &graph, &guards, &by_state(model.events.iter().map(|e| e.quantity).collect()));
-        let growth = Self::growth_nodes(equations, &graph, &copy);
-        let energies = Self::energy_nodes(equations, &graph, &copy);
+            Self::event_nodes(model, graph, &guards, &by_state(model.events.iter().map(|e| e.quantity).collect()));
+        let growth = Self::growth_nodes(equations, graph, copy);
+        let energies = Self::energy_nodes(equations, graph, copy, drives);
 
-        let plain = |nodes: &[NodeId]| TapeFunction::compile(&graph, nodes);
+        let plain = |nodes: &[NodeId]| TapeFunction::compile(graph, nodes);
         let loops = Loops::new(model, equations, &kinematics);
         let by_loops = loops.as_ref().map(|l| [&rhs_roots[..nq], &copy.nodes(&l.forces)].concat());
         let compile = |nodes: &[NodeId]| {
@@ -132,7 +171,7 @@ impl System {
             residuals: compile(&residuals),
             pivots: compile(&pivots),
             pivot_rows,
-            positions: Positions::new(&graph, &holonomic, nq),
+            positions: Positions::new(graph, &holonomic, nq),
             redundant,
             growth: compile(&growth),
             events: plain(&events),
@@ -142,7 +181,10 @@ impl System {
             rhs_roots,
             unrolled,
             watches,
-            graph,
+            multipliers: 0,
+            #[cfg(feature = "ida")]
+            dae: None,
+            graph: Graph::new(),
         }
     }
 
@@ -174,10 +216,11 @@ impl System {
         nodes
     }
 
-    fn energy_nodes(equations: &Equations, graph: &Graph, copy: &Copy<'_>) -> Vec<NodeId> {
+    fn energy_nodes(equations: &Equations, graph: &Graph, copy: &Copy<'_>, drives: Expr<'_>) -> Vec<NodeId> {
         let e = &equations.energies;
         let powers: Vec<NodeId> = e.powers.iter().map(|(_, node)| *node).chain(e.drives).collect();
-        let total = copy.nodes(&powers).into_iter().fold(Expr::Const(0.0), |sum, p| sum + graph.expr(p));
+        let drives = graph.expr(graph.id(drives));
+        let total = copy.nodes(&powers).into_iter().fold(drives, |sum, p| sum + graph.expr(p));
         let mut nodes = copy.nodes(&[e.kinetic, e.potential]);
         nodes.push(graph.id(total));
         nodes
@@ -193,8 +236,12 @@ impl System {
         self.len() == 0
     }
 
-    /// Operations of one evaluation of the right-hand side; with loops over bodies those of the forces alone.
+    /// Operations of one evaluation of the right-hand side, or of the residual for IDA; with loops over bodies those of the forces alone.
     pub fn operations(&self) -> usize {
+        #[cfg(feature = "ida")]
+        if let Some(dae) = &self.dae {
+            return dae.operations();
+        }
         self.rhs.operations()
     }
 
@@ -301,7 +348,9 @@ pub struct Problem {
     events: TapeEvaluator,
     projector: Projector,
     loops: Option<LoopScratch>,
-    x: Vec<f64>,
+    #[cfg(feature = "ida")]
+    pub(crate) dae: Option<crate::dae::DaeScratch>,
+    pub(crate) x: Vec<f64>,
     mass: Vec<f64>,
     force: Vec<f64>,
     dy: Vec<f64>,
@@ -321,7 +370,9 @@ impl Problem {
             events: system.events.evaluator(),
             projector: system.positions.projector(),
             loops: system.loops.as_ref().map(Loops::scratch),
-            x: vec![0.0; 1 + system.len() + system.nu],
+            #[cfg(feature = "ida")]
+            dae: system.dae.as_ref().map(crate::dae::DaeFunctions::scratch),
+            x: vec![0.0; system.graph.input_count()],
             mass: Vec::new(),
             force: Vec::new(),
             dy: Vec::new(),
@@ -340,14 +391,19 @@ impl Problem {
         self.span = (from + inward(from), to - inward(to));
     }
 
-    /// `x = [t, y, u′]` with u′ zero.
-    fn load(&mut self, t: f64, y: &[f64]) {
+    /// `x = [t, y, u′]` with u′ as it was, or as the longer `y = [q, v, v′, λ]` of IDA has it.
+    pub(crate) fn load(&mut self, t: f64, y: &[f64]) {
         self.x[0] = if self.span.0 <= self.span.1 {
             t.clamp(self.span.0, self.span.1)
         } else {
             0.5 * (self.span.0 + self.span.1)
         };
         self.x[1..=y.len()].copy_from_slice(y);
+    }
+
+    /// Event functions at `x`.
+    pub(crate) fn watch(&mut self, g: &mut [f64]) {
+        g.copy_from_slice(self.events.eval(&self.x));
     }
 
     /// Largest residual of the constraints on positions.
@@ -367,10 +423,14 @@ impl Problem {
 
     /// `x = [t, y, u′]` with u′ as the equations make it.
     pub fn full_inputs(&mut self, t: f64, y: &[f64]) -> &[f64] {
+        if y.len() > self.system.len() {
+            self.load(t, y);
+            return &self.x;
+        }
         let mut dy = std::mem::take(&mut self.dy);
         dy.resize(y.len(), 0.0);
         let _ = self.rhs(t, y, &mut dy);
-        self.x[1 + y.len()..].copy_from_slice(&dy[self.system.nq..]);
+        self.x[1 + y.len()..1 + y.len() + self.system.nu].copy_from_slice(&dy[self.system.nq..]);
         self.dy = dy;
         &self.x
     }
@@ -457,7 +517,7 @@ impl OdeProblem for Problem {
 
     fn events(&mut self, t: f64, y: &[f64], g: &mut [f64]) -> Result<(), EvalFailure> {
         self.load(t, y);
-        g.copy_from_slice(self.events.eval(&self.x));
+        self.watch(g);
         Ok(())
     }
 

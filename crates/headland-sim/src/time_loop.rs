@@ -4,19 +4,20 @@ use std::rc::Rc;
 use std::time::Instant;
 
 use headland_code::Evaluator;
-use headland_dynamics::initial::Moved;
 use headland_dynamics::{Equations, choose_dependent, derive_at};
 use headland_model::{Direction, Model, RowForm};
-use headland_solve::{Integrator, Method, SolveError, Stats, Step};
+use headland_solve::{Method, Options, SolveError, Stats, Step};
 
 use crate::balance::Balance;
 use crate::options::{RunError, RunOptions};
 use crate::passage::Passage;
 use crate::record::Recorder;
 use crate::report::{LogEntry, Observer, Status};
+use crate::run::Prepared;
 use crate::schedule::Schedule;
+use crate::stepper::Stepper;
 use crate::system::{System, Watch};
-use crate::work::{Work, solver_options, start_state};
+use crate::work::{Work, solver_options};
 
 /// Growth of the partition, the largest scaled entry of G, at which better independent rates are looked for.
 const GROWTH: f64 = 3.0;
@@ -34,7 +35,7 @@ pub(crate) struct TimeLoop<'m> {
     work: Work,
     method: Method,
     why: String,
-    integrator: Box<dyn Integrator>,
+    integrator: Stepper,
     y: Vec<f64>,
     balance: Option<Balance>,
     growth_limit: f64,
@@ -66,32 +67,31 @@ impl<'m> TimeLoop<'m> {
     /// Everything ready to start.
     pub(crate) fn new(
         model: &'m Model,
-        equations: &Equations,
-        system: Rc<System>,
+        prepared: &Prepared,
         schedule: Rc<Schedule>,
         options: &'m RunOptions,
     ) -> Result<Self, RunError> {
+        let Prepared { equations, system, .. } = prepared;
         let auto = options.method == "auto";
         let method = if auto { Method::Dop853 } else { Method::parse(&options.method)? };
-        let why = if auto { "auto: explicit of order 8, for the motion does not look stiff" } else { "asked for" };
+        let why = match &prepared.why {
+            _ if auto => "auto: explicit of order 8, for the motion does not look stiff",
+            Some(formulation) => formulation,
+            None => "asked for",
+        };
         let mut work = Work::new(system.clone(), method);
         let (a, b) = schedule.span(options.from);
         work.problem.set_span(a, b);
-        let (y, moved) = start_state(model, equations, options.from)?;
-        let say = |m: &Moved| {
-            let unit = model.coordinates.iter().find(|c| c.name == m.name).map(|c| format!(" {}", c.unit));
-            let (name, from, to, unit) = (&m.name, m.from, m.to, unit.filter(|u| u != " 1").unwrap_or_default());
-            format!("start: `{name}` moved from {from:.6}{unit} to {to:.6}{unit} to fulfil the constraints")
-        };
-        let log = moved.iter().map(|m| LogEntry { t: options.from, message: say(m) }).collect();
+        let (y, notes) = prepared.start(model, options.from)?;
+        let log = notes.into_iter().map(|message| LogEntry { t: options.from, message }).collect();
         Ok(Self {
-            integrator: method.create(system.len(), solver_options(model, &system, options))?,
+            integrator: stepper(method, system, solver_options(model, system, options))?,
             y,
             balance: options.balance.then(|| Balance::new(system.clone())),
             warned: vec![false; model.guards.len()],
             passage: Passage::default(),
             passages: 0,
-            known: vec![(equations.clone(), system)],
+            known: vec![(equations.clone(), system.clone())],
             equations: equations.clone(),
             growth_limit: if model.run.independent.is_some() { 10.0 * GROWTH } else { GROWTH },
             why: why.into(),
@@ -157,11 +157,11 @@ impl<'m> TimeLoop<'m> {
         for entry in &self.ending.log {
             observer.message(t, &entry.message);
         }
-        self.integrator.start(&mut self.work.problem, t, &self.y)?;
+        self.start(t, observer)?;
         if let Some(balance) = &mut self.balance {
             balance.open(&mut self.work.problem, t, &self.y);
         }
-        recorder.catch_up(&mut self.work, self.integrator.as_mut())?;
+        recorder.catch_up(&mut self.work, &mut self.integrator)?;
         self.watch_guards(t, observer);
         Ok(())
     }
@@ -182,9 +182,9 @@ impl<'m> TimeLoop<'m> {
         let t = self.integrator.t();
         self.watch_rank(observer)?;
         if let Some(balance) = &mut self.balance {
-            balance.add_step(&mut self.work.problem, self.integrator.as_mut())?;
+            balance.add_step(&mut self.work.problem, &mut self.integrator)?;
         }
-        recorder.catch_up(&mut self.work, self.integrator.as_mut())?;
+        recorder.catch_up(&mut self.work, &mut self.integrator)?;
         observer.step(t, t - self.integrator.t_previous());
         if let Some(reason) = observer.stop() {
             self.ending.status = Status::Stopped(reason);
@@ -211,7 +211,18 @@ impl<'m> TimeLoop<'m> {
             if breakpoint && !changed {
                 self.warn_of_jump(t, before, observer);
             }
-            self.integrator.start(&mut self.work.problem, t, &self.y)?;
+            self.start(t, observer)?;
+        }
+        Ok(())
+    }
+
+    /// Starts the method at the state `y`, and tells what it changed there.
+    fn start(&mut self, t: f64, observer: &mut dyn Observer) -> Result<(), SolveError> {
+        self.integrator.start(&mut self.work.problem, t, &self.y)?;
+        self.y.clear();
+        self.y.extend_from_slice(self.integrator.y());
+        for note in self.integrator.take_notes() {
+            self.tell(t, &note, observer);
         }
         Ok(())
     }
@@ -289,7 +300,7 @@ impl<'m> TimeLoop<'m> {
     /// goes on smoothly, along the same branch.
     fn watch_rank(&mut self, observer: &mut dyn Observer) -> Result<(), SolveError> {
         let t = self.integrator.t();
-        let Some(k) = self.passage.look(&mut self.work, self.integrator.as_mut())? else { return Ok(()) };
+        let Some(k) = self.passage.look(&mut self.work, &mut self.integrator)? else { return Ok(()) };
         self.passages += 1;
         let name = &self.model.kinematics[self.work.system.pivot_rows[k]].name;
         let message = format!(
@@ -306,7 +317,7 @@ impl<'m> TimeLoop<'m> {
     /// Constraints left out as redundant must go on to follow from the others; where one does not any more, the choice is
     /// made again.
     fn watch_redundant(&mut self, t: f64, observer: &mut dyn Observer) -> Result<Option<bool>, SolveError> {
-        let fastest = self.y[self.work.system.nq..].iter().fold(0.0_f64, |a, u| a.max(u.abs()));
+        let fastest = self.y[self.work.system.nq..self.work.system.len()].iter().fold(0.0_f64, |a, u| a.max(u.abs()));
         let Some((residual, row)) = self.work.redundant_residual(t, &self.y) else { return Ok(None) };
         if residual <= 1e-6 * fastest.max(1e-3) {
             return Ok(None);
@@ -314,7 +325,8 @@ impl<'m> TimeLoop<'m> {
         let rows = self.model.kinematics.iter().filter(|r| matches!(r.form, RowForm::Zero(_)));
         let name = rows.map(|r| r.name.as_str()).nth(row).unwrap_or_default().to_string();
         let inputs = self.work.model_inputs(self.model, t, &self.y);
-        let Some((equations, system)) = self.derive_again(&inputs) else {
+        let again = if self.method.is_dae() { None } else { self.derive_again(&inputs) };
+        let Some((equations, system)) = again else {
             let reason = format!(
                 "the constraint `{name}` followed from the others at the start but does not at t = {t} s: \
                  there is more than one way on"
@@ -357,7 +369,7 @@ impl<'m> TimeLoop<'m> {
         self.ending.stats.restarts += 1; // the new integrator does not count its first start
         let mut options = solver_options(self.model, &system, self.options);
         options.max_steps = self.options.max_steps.saturating_sub(self.ending.stats.steps); // of the whole run
-        self.integrator = self.method.create(system.len(), options)?;
+        self.integrator = stepper(self.method, &system, options)?;
         if let Some(balance) = &mut self.balance {
             balance.change_system(system.clone());
         }
@@ -439,6 +451,15 @@ impl<'m> TimeLoop<'m> {
         self.ending.balance_evaluations = self.balance.as_ref().map_or(0, |b| b.evaluations);
         self.ending
     }
+}
+
+/// The method at work on a system.
+fn stepper(method: Method, system: &System, options: Options) -> Result<Stepper, SolveError> {
+    #[cfg(feature = "ida")]
+    if let Some(functions) = &system.dae {
+        return Ok(Stepper::Dae(Box::new(crate::dae::DaeStepper::new(functions, options)?)));
+    }
+    Ok(Stepper::Ode(method.create(system.len(), options)?))
 }
 
 /// Adds the counts of an integrator that is left.

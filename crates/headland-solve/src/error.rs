@@ -164,6 +164,12 @@ pub enum SolveError {
         /// Feature of this crate that brings it.
         feature: &'static str,
     },
+    /// The method is for another kind of problem.
+    #[error("method {method} is for differential-algebraic problems; `Ida::new` makes it")]
+    ForDae {
+        /// Name of the method.
+        method: &'static str,
+    },
     /// SUNDIALS failed in a way that should not happen.
     #[error("SUNDIALS failed at t = {t} s while {doing}: {text} (code {code})")]
     Library {

@@ -23,11 +23,16 @@ pub enum Method {
     /// SUNDIALS CVODE, Adams-Moulton formulas of order 1 to 12 with fixed-point iteration: for
     /// problems that are not stiff and whose right-hand side is expensive. No projection.
     CvodeAdams,
+    /// SUNDIALS IDA on the equations with constraints and multipliers, stabilised index 2: a method for
+    /// [`DaeProblem`](crate::Ida)s, which [`create`](Self::create) does not make.
+    Ida,
+    /// The same in index 1: constraints on accelerations only.
+    IdaIndex1,
 }
 
 impl Method {
     /// All of them, whether in this build or not.
-    pub const ALL: [Self; 3] = [Self::Dop853, Self::CvodeBdf, Self::CvodeAdams];
+    pub const ALL: [Self; 5] = [Self::Dop853, Self::CvodeBdf, Self::CvodeAdams, Self::Ida, Self::IdaIndex1];
 
     /// Its name, as [`parse`](Self::parse) reads it.
     #[must_use]
@@ -36,19 +41,31 @@ impl Method {
             Self::Dop853 => "dop853",
             Self::CvodeBdf => "cvode-bdf",
             Self::CvodeAdams => "cvode-adams",
+            Self::Ida => "ida",
+            Self::IdaIndex1 => "ida-index1",
         }
     }
 
     /// Whether it is in this build.
     #[must_use]
     pub fn is_built(self) -> bool {
-        self == Self::Dop853 || cfg!(feature = "cvode")
+        match self {
+            Self::Dop853 => true,
+            Self::CvodeBdf | Self::CvodeAdams => cfg!(feature = "cvode"),
+            Self::Ida | Self::IdaIndex1 => cfg!(feature = "ida"),
+        }
     }
 
     /// Whether it solves implicit equations, and so profits from a Jacobian.
     #[must_use]
     pub fn is_implicit(self) -> bool {
-        self == Self::CvodeBdf
+        self == Self::CvodeBdf || self.is_dae()
+    }
+
+    /// Whether it is for differential-algebraic problems.
+    #[must_use]
+    pub fn is_dae(self) -> bool {
+        matches!(self, Self::Ida | Self::IdaIndex1)
     }
 
     /// The method of that name.
@@ -63,7 +80,7 @@ impl Method {
     /// An integrator for `n` components.
     ///
     /// # Errors
-    /// [`SolveError::InvalidOption`], or [`SolveError::NotBuilt`].
+    /// [`SolveError::InvalidOption`], [`SolveError::NotBuilt`], or [`SolveError::ForDae`].
     pub fn create(self, n: usize, options: Options) -> Result<Box<dyn Integrator>, SolveError> {
         options.check(n)?;
         match self {
@@ -73,6 +90,8 @@ impl Method {
                 let cvode = crate::cvode::Cvode::new(self == Self::CvodeBdf, n, &options)?;
                 Ok(Box::new(Driver::new(cvode, n, &options)))
             }
+            Self::Ida | Self::IdaIndex1 if self.is_built() => Err(SolveError::ForDae { method: self.name() }),
+            Self::Ida | Self::IdaIndex1 => Err(SolveError::NotBuilt { method: self.name(), feature: "ida" }),
             #[cfg(not(feature = "cvode"))]
             Self::CvodeBdf | Self::CvodeAdams => Err(SolveError::NotBuilt { method: self.name(), feature: "cvode" }),
         }
@@ -97,6 +116,14 @@ mod tests {
         }
         let message = Method::parse("rk5").unwrap_err().to_string();
         assert!(message.starts_with("no method `rk5`; there are dop853"));
+    }
+
+    #[test]
+    #[cfg(feature = "ida")]
+    fn what_is_for_other_problems_says_so() {
+        let made = Method::Ida.create(1, Options::new(1e-6, vec![1e-6]));
+        let message = made.err().map(|e| e.to_string()).unwrap_or_default();
+        assert!(message.starts_with("method ida is for differential-algebraic problems"), "{message}");
     }
 
     #[test]
