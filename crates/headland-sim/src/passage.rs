@@ -13,6 +13,9 @@ use crate::work::Work;
 /// Gaps between the abscissae of Dormand and Prince's method of order 8, by their middle: wide ones first.
 const GAPS: [f64; 3] = [0.467, 0.754, 0.184];
 
+/// Growth of the partition, the largest scaled entry of G, up to which a vanishing pivot means the constraints' rank.
+const MODERATE: f64 = 10.0;
+
 /// Pivots of the elimination at the end of the last step and what they say of the next.
 #[derive(Default)]
 pub(crate) struct Passage {
@@ -31,6 +34,10 @@ impl Passage {
         let (t0, t1) = (integrator.t_previous(), integrator.t());
         let y = integrator.y().to_vec();
         let last = work.pivots(t1, &y).to_vec();
+        if work.growth(t1, &y) > MODERATE {
+            self.forget();
+            return Ok(None); // the choice of independent rates fails there, not the constraints
+        }
         let before = std::mem::replace(&mut self.pivots, last.clone());
         // shrinking fast enough to vanish soon, or of another sign: only then is the dense output asked
         let soon = |(a, b): (&f64, &f64)| a.signum() != b.signum() || b.abs() < 0.75 * a.abs();
