@@ -24,7 +24,7 @@ const GROWTH: f64 = 3.0;
 
 /// Tolerances of error that a step over a place where the constraints lose rank may have: it is no longer than the method
 /// proposed, so that what is more than one tolerance is rounding, which a shorter step would only enlarge.
-const LENIENCY: f64 = 1e4;
+const LENIENCY: f64 = 1e2;
 
 /// A run in progress.
 pub(crate) struct TimeLoop<'m> {
