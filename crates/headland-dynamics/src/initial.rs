@@ -53,9 +53,14 @@ pub fn assemble(model: &Model) -> Result<(Vec<f64>, Vec<Moved>), DeriveError> {
     let all: Vec<usize> = (0..model.coordinates.len()).collect();
     let mut found = None;
     for columns in [free, all] {
-        let mut inputs = start.clone();
-        if !columns.is_empty() && positions.solve(&mut inputs, &columns) {
-            found = Some(inputs);
+        if columns.is_empty() {
+            continue;
+        }
+        found = [true, false].into_iter().find_map(|damped| {
+            let mut inputs = start.clone();
+            positions.solve(&mut inputs, &columns, damped).then_some(inputs)
+        });
+        if found.is_some() {
             break;
         }
     }
@@ -100,14 +105,19 @@ impl<'m> Positions<'m> {
     }
 
     /// Newton's method with least changes of the given coordinates; false if it does not converge.
-    fn solve(&self, inputs: &mut Vec<f64>, columns: &[usize]) -> bool {
+    ///
+    /// Away from their solutions, constraints of which some are redundant seem to determine also what moves freely. Damped by
+    /// their residual, the search does not run off along that; it still converges quadratically (Yamashita & Fukushima, *On
+    /// the rate of convergence of the Levenberg-Marquardt method*, 2001).
+    fn solve(&self, inputs: &mut Vec<f64>, columns: &[usize], damped: bool) -> bool {
         let slots: Vec<usize> = columns.iter().map(|&i| self.model.input_index(self.model.coordinates[i].q)).collect();
         let mut residual = self.residual(inputs);
         for _ in 0..60 {
             let phi = DVector::from_vec(self.model.graph.eval(&self.rows, inputs));
             let jacobian = self.jacobian(inputs, columns);
             let largest = jacobian.amax();
-            let Ok(step) = jacobian.svd(true, true).solve(&phi, 1e-9 * largest.max(1e-300)) else { return false };
+            let damping = if damped { phi.norm() * largest } else { 0.0 };
+            let Some(step) = damped_solution(jacobian, &phi, 1e-9 * largest.max(1e-300), damping) else { return false };
             let mut factor = 1.0;
             loop {
                 let mut trial = inputs.clone();
@@ -144,7 +154,7 @@ impl<'m> Positions<'m> {
     fn furthest(&self, start: &[f64]) -> DeriveError {
         let mut inputs = start.to_vec();
         let all: Vec<usize> = (0..self.model.coordinates.len()).collect();
-        self.solve(&mut inputs, &all);
+        self.solve(&mut inputs, &all, false);
         let mut left: Vec<(f64, &str)> = self
             .model
             .graph
@@ -158,6 +168,17 @@ impl<'m> Positions<'m> {
         let rows: Vec<String> = rows.map(|(x, name)| format!("`{name}` by {x:.3}")).collect();
         DeriveError::CannotAssemble { rows: rows.join(", ") }
     }
+}
+
+/// `Σ v σ/(σ² + damping) u·b` over the singular values above the limit.
+fn damped_solution(a: DMatrix<f64>, b: &DVector<f64>, limit: f64, damping: f64) -> Option<DVector<f64>> {
+    let svd = a.svd(true, true);
+    let (u, v_t) = (svd.u.as_ref()?, svd.v_t.as_ref()?);
+    let mut x = DVector::zeros(v_t.ncols());
+    for (k, s) in svd.singular_values.iter().enumerate().filter(|(_, s)| **s > limit) {
+        x += v_t.row(k).transpose() * (u.column(k).dot(b) * s / (s * s + damping));
+    }
+    Some(x)
 }
 
 /// Initial quasi-velocities: the named ones as given; independent rates and velocities of joints from all that is given

@@ -6,7 +6,7 @@ mod machine;
 use headland_dynamics::tree::{Joint, Loads, Mount, Tree, Workspace, aba, crba, rnea};
 use headland_dynamics::{Algorithm, DeriveError, DeriveOptions};
 use headland_spatial::{Inertia, Pose, Quaternion, Rotation, Symmetric, Vector};
-use machine::oracle::{check, distance};
+use machine::oracle::check;
 use machine::state::Derived;
 use machine::{Kind, Link, Machine, PLAIN, Random, coordinates};
 use nalgebra::{DMatrix, DVector};
@@ -291,5 +291,5 @@ fn trees_agree_with_newton_and_euler() {
         worst = (worst.0.max(a), worst.1.max(f));
     }
     println!("worst relative errors: accelerations {:e}, forces {:e}", worst.0, worst.1);
-    let _ = distance;
+
 }

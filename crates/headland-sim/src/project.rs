@@ -100,9 +100,14 @@ impl Projector {
             }
         }
         self.phi.copy_from_slice(self.residual.eval(x));
+        for (length, row) in self.length.iter_mut().zip(self.dense.chunks(n)) {
+            *length = row.iter().map(|a| a * a).sum::<f64>().sqrt();
+        }
+        // a row that is rounding whatever the place, as of parallel axes, stays small and is beyond the rank
+        let least = 1e-9 * self.length.iter().fold(f64::MIN_POSITIVE, |a, b| a.max(*b));
         for i in 0..m {
             let row = &mut self.dense[i * n..(i + 1) * n];
-            let length = row.iter().map(|a| a * a).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
+            let length = self.length[i].max(least);
             row.iter_mut().for_each(|a| *a /= length);
             self.length[i] = length;
             self.phi[i] /= length;

@@ -55,7 +55,7 @@ impl Derived {
         let text = machine.text(style);
         let model = read(&text).build().unwrap_or_else(|e| panic!("{e}\n{text}"));
         let plain = model.clone();
-        let equations = derive(&model, options).unwrap_or_else(|e| panic!("{}: {e}\n{text}", machine.title));
+        let equations = derive(&model, options).unwrap_or_else(|e| panic!("{}: {e}", machine.title));
         let nodes: Vec<NodeId> = model.outputs.iter().map(|o| o.node).collect();
         let outputs = equations.by_state(&model, &nodes);
         Self { plain, outputs, names: machine.columns(), model, equations }
