@@ -95,7 +95,7 @@ fn springs_and_drives_in_loops() {
             load(&mut m, &mut r);
             m.links[spring].spring = drive.is_none().then_some(12.0);
             if let Some(k) = drive {
-                m.links[k].drive = Some((0.2, 1.5));
+                m.links[k].drive = Some((0.05, 1.5));
             }
             check_states(&m, &mut r, 3);
         }
@@ -134,5 +134,4 @@ fn every_kind_closes_a_loop() {
         println!("{kind:?}: {checked} machines, {worst:?}");
         assert!(checked >= 3, "{kind:?}: {checked}");
     }
-
 }

@@ -144,7 +144,8 @@ impl Twin {
                     let mut turn = Quaternion([0, 1, 2, 3].map(|i| q(&names[i])));
                     turn = Quaternion(turn.0.map(|x| x / turn.norm()));
                     let reversed = matches!(source, Source::Reversed(..));
-                    let r = if reversed { turn.rotation().0.map(|row| row.map(|x| -x)) } else { Rotation::identity().0 };
+                    let r =
+                        if reversed { turn.rotation().0.map(|row| row.map(|x| -x)) } else { Rotation::identity().0 };
                     place.extend(if reversed { turn.conjugate().0 } else { turn.0 });
                     for i in 0..3 {
                         for (j, name) in rates.iter().enumerate() {
@@ -173,7 +174,10 @@ fn compare(m: &Machine, d: &Derived, r: &mut Random, states: usize) -> f64 {
             x[d.model.input_index(c.q)]
         };
         let (q, t) = twin.at(&value, &quasi);
-        let u = DVector::from_iterator(quasi.len(), d.equations.kinematics.quasi.iter().map(|u| x[d.model.input_index(u.u)]));
+        let u = DVector::from_iterator(
+            quasi.len(),
+            d.equations.kinematics.quasi.iter().map(|u| x[d.model.input_index(u.u)]),
+        );
         let u_tree = &t * &u;
         let (n, mut work) = (twin.tree.nu(), Workspace::new(&twin.tree));
         let loads = Loads::gravity(Vector(m.gravity));
@@ -291,5 +295,4 @@ fn trees_agree_with_newton_and_euler() {
         worst = (worst.0.max(a), worst.1.max(f));
     }
     println!("worst relative errors: accelerations {:e}, forces {:e}", worst.0, worst.1);
-
 }

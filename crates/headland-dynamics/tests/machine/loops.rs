@@ -122,7 +122,8 @@ pub fn bricard(r: &mut Random) -> Machine {
 pub fn random_loop(r: &mut Random, closing: Kind) -> Machine {
     let n = 3 + r.below(3);
     let mut a = Assembled::new(r, &format!("{closing:?} closes"), n);
-    let kinds = [Kind::Revolute, Kind::Spherical, Kind::Universal, Kind::Cylindrical, Kind::Screw, Kind::Planar, Kind::Free];
+    let kinds =
+        [Kind::Revolute, Kind::Spherical, Kind::Universal, Kind::Cylindrical, Kind::Screw, Kind::Planar, Kind::Free];
     for b in 0..n {
         let parent = b.checked_sub(1).filter(|_| r.below(6) > 0);
         let kind = kinds[r.below(7)];

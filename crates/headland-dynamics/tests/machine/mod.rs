@@ -373,7 +373,8 @@ impl Machine {
         }
         for p in &self.pushes {
             let _ = writeln!(s, "[[force]]\nname = \"{}\"\non = \"{}\"", p.name, self.parts[p.on].name);
-            let _ = writeln!(s, "at = {}\naxes = \"{}\"", style.lengths(p.at), if p.own_axes { "frame" } else { "world" });
+            let _ =
+                writeln!(s, "at = {}\naxes = \"{}\"", style.lengths(p.at), if p.own_axes { "frame" } else { "world" });
             let _ = writeln!(s, "force = {}\ntorque = {}", plain(p.force), plain(p.torque));
         }
         let driven: Vec<&Link> = self.links.iter().filter(|l| l.drive.is_some()).collect();
@@ -435,7 +436,11 @@ impl Machine {
     fn write_contact(&self, s: &mut String, c: &Contact, style: &Style) {
         let _ = writeln!(s, "[[frame]]\nname = \"plane_{}\"\non = \"{}\"", c.name, self.name(c.on));
         let _ = writeln!(s, "at = {}\nrpy = {}", style.lengths(c.plane.position), style.turns(&c.plane.rotation));
-        let _ = writeln!(s, "[[rolling]]\nname = \"{0}\"\non = \"plane_{0}\"\nbody = \"{1}\"", c.name, self.parts[c.body].name);
+        let _ = writeln!(
+            s,
+            "[[rolling]]\nname = \"{0}\"\non = \"plane_{0}\"\nbody = \"{1}\"",
+            c.name, self.parts[c.body].name
+        );
         let _ = writeln!(s, "center = {}\nrpy = {}", style.lengths(c.centre.position), style.turns(&c.centre.rotation));
         let _ = match c.shape {
             Shape::Ball(radius) => writeln!(s, "radius = {}", style.length(radius)),
@@ -468,6 +473,28 @@ impl Machine {
 
 /// What is read of a body.
 pub const MOTION: [&str; 24] = [
-    "x", "y", "z", "exx", "eyx", "ezx", "exy", "eyy", "ezy", "exz", "eyz", "ezz", "wx", "wy", "wz", "vx", "vy", "vz",
-    "epsilon_x", "epsilon_y", "epsilon_z", "ax", "ay", "az",
+    "x",
+    "y",
+    "z",
+    "exx",
+    "eyx",
+    "ezx",
+    "exy",
+    "eyy",
+    "ezy",
+    "exz",
+    "eyz",
+    "ezz",
+    "wx",
+    "wy",
+    "wz",
+    "vx",
+    "vy",
+    "vz",
+    "epsilon_x",
+    "epsilon_y",
+    "epsilon_z",
+    "ax",
+    "ay",
+    "az",
 ];

@@ -152,9 +152,8 @@ impl Machine {
                 let shape = body * lift_pose::<First>(&c.centre);
                 let p = contact_point(&c.shape, &(plane.rotation.transpose() * shape.rotation));
                 let point = shape.position + plane.rotation * p;
-                let speed = |x: Pose<First>, w: Vector<First>, v: Vector<First>| {
-                    v + (x.rotation * w).cross(point - x.position)
-                };
+                let speed =
+                    |x: Pose<First>, w: Vector<First>, v: Vector<First>| v + (x.rotation * w).cross(point - x.position);
                 let slip = plane.rotation.apply_inverse(speed(body, w1, v1) - speed(ground, w0, v0));
                 let height = plane.rotation.apply_inverse(point - plane.position)[2];
                 let held = |i: usize| if i == 2 { height.value } else { 0.0 };
@@ -349,7 +348,8 @@ pub fn check_kinematics(machine: &Machine, moment: &Moment) {
         }
         let parts = |x: Second| [x.value.value, x.value.dot, x.dot.dot];
         for order in 0..3 {
-            let size = pairs.iter().fold(1.0_f64, |s, (x, y)| s.max(parts(*x)[order].abs()).max(parts(*y)[order].abs()));
+            let size =
+                pairs.iter().fold(1.0_f64, |s, (x, y)| s.max(parts(*x)[order].abs()).max(parts(*y)[order].abs()));
             for (x, y) in &pairs {
                 let (x, y) = (parts(*x)[order], parts(*y)[order]);
                 assert!((x - y).abs() <= 1e-10 * size, "{}, {}: rate {order}, {x} {y}", machine.title, l.name);
@@ -402,5 +402,6 @@ pub fn check(machine: &Machine, moment: &Moment, tolerance: f64) -> (f64, f64) {
 pub fn distance(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
     let size = a.iter().chain(b).fold(1.0_f64, |m, x| m.max(x.abs()));
-    a.iter().zip(b).fold(0.0_f64, |m, (x, y)| if (x - y).is_nan() { f64::INFINITY } else { m.max((x - y).abs()) }) / size
+    a.iter().zip(b).fold(0.0_f64, |m, (x, y)| if (x - y).is_nan() { f64::INFINITY } else { m.max((x - y).abs()) })
+        / size
 }

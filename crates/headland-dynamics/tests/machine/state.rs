@@ -69,15 +69,9 @@ impl Derived {
                 c.guess = Some(own.guess.unwrap_or(0.0) + size * r.number());
                 c.initial = None;
             }
+            model.run.from = 2.0 * r.number();
             let Ok((mut x, _)) = assemble(&model) else { continue };
             let m = &self.model;
-            x[m.input_index(m.time)] = 2.0 * r.number();
-            if !self.plain.prescribed.is_empty() {
-                let (t, slots) = (x[m.input_index(m.time)], &mut model);
-                slots.run.from = t;
-                let Ok((other, _)) = assemble(slots) else { continue };
-                x = other;
-            }
             for u in &self.equations.kinematics.quasi {
                 x[m.input_index(u.u)] = r.number();
             }
