@@ -225,6 +225,26 @@ impl Machine {
         m
     }
 
+    /// The same machine elsewhere, gravity turned with it.
+    pub fn moved(&self, x: &Pose<f64>) -> Self {
+        let mut m = self.clone();
+        m.gravity = (x.rotation * Vector(m.gravity)).0;
+        for l in &mut m.links {
+            if l.from.is_none() {
+                l.at = *x * l.at;
+            }
+            if l.to.is_none() {
+                l.to_at = *x * l.to_at;
+            }
+        }
+        m.contacts.iter_mut().filter(|c| c.on.is_none()).for_each(|c| c.plane = *x * c.plane);
+        m.springs.iter_mut().filter(|s| s.from.is_none()).for_each(|s| s.at = x.point(s.at));
+        for p in m.pushes.iter_mut().filter(|p| !p.own_axes) {
+            (p.force, p.torque) = (x.rotation * p.force, x.rotation * p.torque);
+        }
+        m
+    }
+
     pub fn name(&self, body: Option<usize>) -> &str {
         body.map_or("world", |b| &self.parts[b].name)
     }

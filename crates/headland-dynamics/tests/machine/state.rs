@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use headland_dynamics::initial::assemble;
+use headland_dynamics::kinematics::velocity_name;
 use headland_dynamics::{DeriveOptions, Equations, derive};
 use headland_expr::NodeId;
 use headland_model::{Model, Scene};
@@ -78,6 +79,29 @@ impl Derived {
             return x;
         }
         panic!("{}: no state found", self.model.title);
+    }
+
+    /// All coordinates and velocities by name.
+    pub fn values(&self, x: &[f64]) -> HashMap<String, f64> {
+        let m = &self.model;
+        let velocities = m.graph.eval(&self.equations.kinematics.velocities, x);
+        let named = velocities.into_iter().enumerate().map(|(v, value)| (velocity_name(m, v), value));
+        let places = m.coordinates.iter().map(|c| (c.name.clone(), x[m.input_index(c.q)]));
+        named.chain(places).chain([("t".to_string(), x[m.input_index(m.time)])]).collect()
+    }
+
+    /// Inputs at coordinates and velocities of another model's state.
+    pub fn put(&self, values: &HashMap<String, f64>) -> Vec<f64> {
+        let m = &self.model;
+        let mut x = headland_dynamics::sample::start_inputs(m);
+        x[m.input_index(m.time)] = values["t"];
+        for c in &m.coordinates {
+            x[m.input_index(c.q)] = values[&c.name];
+        }
+        for u in &self.equations.kinematics.quasi {
+            x[m.input_index(u.u)] = values[&u.name];
+        }
+        x
     }
 
     /// Writes rates, accelerations and second rates; gives what the outputs are.
