@@ -147,6 +147,7 @@ impl DeriveError {
         match self {
             Self::ScalarInertia { name, .. } => element(name),
             Self::SingularConstraint { name, .. } => row(name),
+            Self::CannotAssemble { rows } => row(rows.split('`').nth(1)?),
             Self::SingularMass { name, .. } | Self::InconsistentStart { name, .. } => state(name),
             Self::TooFewInitialRates { missing, .. } => state(missing.trim_matches('`')),
             Self::NotLinear { what, .. } => {

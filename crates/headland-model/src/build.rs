@@ -1,6 +1,6 @@
 //! A [`Scene`] into a [`Model`]: names are declared, then every formula is made; everything wrong is reported in one go.
 
-use headland_expr::parse::Program;
+use headland_expr::parse::{Program, suggestion};
 use headland_expr::{Expr, Graph, NodeId};
 
 use crate::assembly::Assembly;
@@ -240,6 +240,12 @@ impl<'s, 'g> Builder<'s, 'g> {
         for entry in self.scene.section("prescribed") {
             let Ok(key) = parse_key(&entry.key) else { continue };
             let Some(symbol) = self.low.symbols.by_name.get_index_of(key.name.as_str()) else { continue };
+            if key.name.contains('.') && !self.low.declared.contains_key(&key.name) {
+                let hint = suggestion(&key.name, self.low.coordinates.iter().map(|c| c.name.as_str()));
+                let message = format!("`{}` is no coordinate of a joint{hint}", entry.key);
+                self.low.report(entry.key_place.clone(), message);
+                continue;
+            }
             for (member, _) in self.low.symbols.members(key.index.as_ref()).unwrap_or_default() {
                 if let Ok(typed) = self.low.definition(symbol, member) {
                     let name = member_name(&key.name, member);

@@ -19,6 +19,7 @@ impl<'g> Builder<'_, 'g> {
         if failed {
             return; // its own message says enough
         }
+        self.no_zero_quaternions();
         let missing: Vec<String> = self
             .low
             .coordinates
@@ -38,6 +39,26 @@ impl<'g> Builder<'_, 'g> {
             let more = if missing.len() > 8 { format!(" and {} more", missing.len() - 8) } else { String::new() };
             let message = format!("too few initial values: [initial] lacks {}{more}", shown.join(", "));
             self.low.report(place, message);
+        }
+    }
+
+    /// Four zeros are no orientation.
+    fn no_zero_quaternions(&mut self) {
+        for i in 0..self.low.coordinates.len().saturating_sub(3) {
+            let four = &self.low.coordinates[i..i + 4];
+            if !four[0].name.ends_with(".qw") || four[0].guess.is_none() {
+                continue;
+            }
+            let (name, graph) = (four[0].name.trim_end_matches(".qw").to_string(), self.low.graph);
+            let given = [0, 1, 2, 3].map(|k| (four[k].initial, four[k].guess));
+            let values = given.map(|(initial, guess)| initial.map_or(guess, |node| self.evaluate(graph.expr(node))));
+            if values.iter().all(|x| *x == Some(0.0)) {
+                let key = format!("{name}.qw");
+                let entry = self.scene.section("initial").iter().find(|e| e.key == key);
+                let place = entry.map_or(Place::Program, |e| e.key_place.clone());
+                let message = format!("the quaternion of `{name}` is zero at the start; that is no orientation");
+                self.low.report(place, message);
+            }
         }
     }
 

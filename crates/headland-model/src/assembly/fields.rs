@@ -46,6 +46,8 @@ impl<'g> Builder<'_, 'g> {
         let full = bound_name(name, binding);
         let (base, member) = self.split_name(&full, &place)?;
         match self.low.symbols.by_name.get_mut(base.as_str()) {
+            Some(Symbol::Frame(_)) if new == "a joint" => self.free_name(&base, &place, new)?,
+            Some(Symbol::Joint(_)) if new != "a joint" => self.free_name(&base, &place, new)?,
             Some(Symbol::Frame(members) | Symbol::Joint(members)) => {
                 if !members.insert(member, position) {
                     return Err(self.low.report(place, format!("`{full}` is there twice")));
@@ -73,6 +75,24 @@ impl<'g> Builder<'_, 'g> {
             Some(index) => self.low.symbols.index_value(index, &[]).map_err(|m| self.low.report(place.clone(), m))?,
         };
         Ok((key.name, member))
+    }
+
+    /// Keys that mean nothing here: told rather than passed over.
+    pub(super) fn without(&mut self, element: &SceneElement, keys: &[&str], why: &str) -> Made<()> {
+        match keys.iter().find_map(|key| Some((key, element.get(key)?.place.clone()))) {
+            Some((key, place)) => Err(self.low.report(place, format!("`{key}` means nothing here: {why}"))),
+            None => Ok(()),
+        }
+    }
+
+    /// A length that is made of parameters and positive, or at least not negative.
+    pub(super) fn size(&mut self, length: Expr<'g>, key: &str, place: &Place, zero: bool) -> Made<Expr<'g>> {
+        let message = match self.evaluate(length) {
+            Some(x) if x > 0.0 || (zero && x == 0.0) => return Ok(length),
+            Some(x) => format!("`{key}` is {x} m; it must be {}", if zero { "at least 0" } else { "above 0" }),
+            None => format!("`{key}` must be made of numbers and parameters"),
+        };
+        Err(self.low.report(place.clone(), message))
     }
 
     /// The frame that a field names, or the default.
@@ -108,6 +128,11 @@ impl<'g> Builder<'_, 'g> {
         match self.low.symbols.by_name.get(key.name.as_str()) {
             Some(Symbol::Frame(members)) => match members.get(member) {
                 Some(frame) => Ok(frame),
+                None if key.index.is_none() => {
+                    let count = members.iter().count();
+                    let message = format!("`{0}` is a family of {count}; one of them is `{0}[k]`", key.name);
+                    Err(self.low.report(place, message))
+                }
                 None => {
                     let full = match key.index {
                         Some(_) => format!("{}[{member}]", key.name),
@@ -311,7 +336,10 @@ impl<'g> Builder<'_, 'g> {
         tensor: Symmetric<Expr<'g>>,
     ) -> Made<()> {
         let numbers: Option<Vec<f64>> = [mass].into_iter().chain(tensor.0).map(|e| self.evaluate(e)).collect();
-        let place = element.get("inertia").or(element.get("mass")).map_or(element.place.clone(), |v| v.place.clone());
+        let [of_mass, of_inertia] = ["mass", "inertia"].map(|key| element.get(key));
+        let negative = self.evaluate(mass).is_some_and(|m| m < 0.0);
+        let place = if negative { of_mass.or(of_inertia) } else { of_inertia.or(of_mass) };
+        let place = place.map_or(element.place.clone(), |v| v.place.clone());
         let name = element.get("name").map(|v| v.data.clone());
         let name = if let Some(Data::Text(name)) = name { bound_name(&name, binding) } else { String::new() };
         let Some(n) = numbers else {
@@ -364,7 +392,12 @@ impl<'g> Builder<'_, 'g> {
                     _ => self.array(&value, "size", &[*count])?,
                 };
                 let length = Dimension::of(0, 1, 0);
-                items.iter().map(|v| self.expression(v, "`size`", binding, &length, false)).collect::<Made<Vec<_>>>()?
+                let mut sizes = Vec::new();
+                for item in &items {
+                    let size = self.expression(item, "`size`", binding, &length, false)?;
+                    sizes.push(self.size(size, "size", &item.place, false)?);
+                }
+                sizes
             }
             None => {
                 return Err(self

@@ -149,6 +149,12 @@ impl<'g> Builder<'_, 'g> {
     /// `[[force]]` with `force` or `torque`: on a frame, or by a structure.
     pub(crate) fn vector_force(&mut self, element: &SceneElement) -> Made<()> {
         let name = self.text_field(element, "name")?;
+        self.without(element, &["value", "geometric", "implicit", "explicit"], "`force` and `torque` are vectors")?;
+        if element.get("on").is_some() {
+            self.without(element, &["position", "velocity", "spin"], "the frame in `on` says where it acts")?;
+        } else {
+            self.without(element, &["at", "axes"], "they belong to a frame in `on`")?;
+        }
         for binding in self.bindings_of(element)? {
             let full = bound_name(&name, &binding);
             for (key, of) in [("force", NEWTON), ("torque", NEWTON_METRE)] {
@@ -205,6 +211,8 @@ impl<'g> Builder<'_, 'g> {
     /// `[[inertia]]` with `mass` or `tensor`: a body of equation (7) by its structures.
     pub(crate) fn vector_inertia(&mut self, element: &SceneElement) -> Made<()> {
         let name = self.text_field(element, "name")?;
+        let scalar = ["value", "geometric", "implicit", "explicit"];
+        self.without(element, &scalar, "`mass` and `tensor` make a vector element")?;
         for binding in self.bindings_of(element)? {
             let full = bound_name(&name, &binding);
             let mass = self.scalar_field(element, "mass", &binding, &Dimension::of(1, 0, 0))?;

@@ -70,19 +70,27 @@ impl<'g> Builder<'_, 'g> {
 
     fn rolling_form(&mut self, element: &SceneElement, binding: &Binding) -> Made<Form<'g>> {
         let length = Dimension::of(0, 1, 0);
+        let place = |key: &str| element.get(key).map_or(element.place.clone(), |v| v.place.clone());
         if element.get("semi_axes").is_some() {
+            self.without(element, &["radius", "axis", "tube"], "`semi_axes` make an ellipsoid")?;
             let axes = self.vector_field(element, "semi_axes", binding, &length, false)?;
+            for axis in axes.0 {
+                self.size(axis, "semi_axes", &place("semi_axes"), false)?;
+            }
             return Ok(Form::Ellipsoid(axes.0.map(|a| a * a)));
         }
         let Some(radius) = self.scalar_field(element, "radius", binding, &length)? else {
             let message = "what rolls needs `radius` (a ball), `radius` and `axis` (a wheel or disc) or `semi_axes`";
             return Err(self.low.report(element.place.clone(), message));
         };
+        self.size(radius, "radius", &place("radius"), false)?;
         if element.get("axis").is_none() {
+            self.without(element, &["tube"], "a ball has none; a rim has an `axis`")?;
             return Ok(Form::Ball(radius));
         }
         let axis = Vector::constant(self.direction(element, "axis", binding, [0.0, 1.0, 0.0])?);
         let tube = self.scalar_field(element, "tube", binding, &length)?.unwrap_or(number(0.0));
+        self.size(tube, "tube", &place("tube"), true)?;
         Ok(Form::Disc { axis, radius, tube })
     }
 
