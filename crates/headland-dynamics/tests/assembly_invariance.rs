@@ -164,7 +164,15 @@ fn positions_and_spins_are_bodies() {
          [[force]]\nname = \"push\"\nforce = [3, -1, 2]\nposition = {2}\n\
          [[force]]\nname = \"twist\"\ntorque = [0.5, 1.5, -0.7]\nspin = {6}\n\
          [initial]\na = 0\nb = 0\nc = 0\n\"a'\" = 0\n\"b'\" = 0\n\"c'\" = 0\n",
-        places[0], places[1], places[2], tensors[0], tensors[1], list(&w1), list(&w2), weight(3.0), weight(2.0)
+        places[0],
+        places[1],
+        places[2],
+        tensors[0],
+        tensors[1],
+        list(&w1),
+        list(&w2),
+        weight(3.0),
+        weight(2.0)
     );
     let _ = zero();
     println!("{:e}", same(&bodies, &elements, 20));
