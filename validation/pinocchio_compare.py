@@ -77,8 +77,11 @@ def random_tree(rng, bodies):
     model.gravity.linear = gravity
     q_names, u_names = {}, {}
     ends = [(0, pin.SE3.Identity())]  # joint that carries a body, pose of the body's frame on it; the world first
+    path = [0]  # Pinocchio's crba wants each branch finished before the next begins
     for b in range(bodies):
-        parent = int(rng.integers(0, b + 1))
+        del path[max(1, len(path) - int(rng.integers(0, 4))) :]
+        parent = path[-1]
+        path.append(b + 1)
         kind = KINDS[int(rng.integers(0, len(KINDS)))] if b else "revolute"
         axis = rng.normal(size=3)
         axis /= np.linalg.norm(axis)
