@@ -149,7 +149,6 @@ fn positions_and_spins_are_bodies() {
     );
     let out = |v: &Text3| turn(0, "a", &turn(1, "b", v));
     let behind = |v: [f64; 3]| out(&sum(&metres(hinge), &turn(2, "c", &metres(v))));
-    let zero = || "0".to_string();
     let w1 = ["a'*cos(b)".to_string(), "b'".to_string(), "a'*sin(b)".to_string()];
     let w2 = sum(&turn_back(2, "c", &w1), &["0*c'".to_string(), "0*c'".to_string(), "c'".to_string()]);
     let weight = |m: f64| list(&[m, 2.0 * m, -9.0 * m].map(|x| format!("{x:?}")));
@@ -174,7 +173,6 @@ fn positions_and_spins_are_bodies() {
         weight(3.0),
         weight(2.0)
     );
-    let _ = zero();
     println!("{:e}", same(&bodies, &elements, 20));
 }
 

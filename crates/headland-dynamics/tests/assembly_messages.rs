@@ -68,10 +68,10 @@ fn what_is_wrong_is_told() {
         ("`c[4]` does not exist", "[indices]\nk = 3\n[[body]]\nname = \"c[k]\"\nmass = 1\ninertia = [1, 1, 1]\n[[joint]]\nname = \"h[k]\"\nkind = \"revolute\"\nfrom = \"c[k]\"\nto = \"c[k+1]\"".into()),
         ("`c` is a family of 3; one of them is `c[k]`", "[indices]\nk = 3\n[[body]]\nname = \"c[k]\"\nmass = 1\ninertia = [1, 1, 1]\n[[joint]]\nname = \"h\"\nkind = \"revolute\"\nto = \"c\"".into()),
         ("uses two indices", "[indices]\nk = 3\nj = 2\n[[body]]\nname = \"c[k]\"\nmass = 1\ninertia = [1, 1, 1]\n[[joint]]\nname = \"h[k]\"\nkind = \"revolute\"\nfrom = \"c[j]\"\nto = \"c[k]\"".into()),
-        ("`axis` means nothing here", format!("{a}[[joint]]\nname = \"h\"\nkind = \"planar\"\nto = \"a\"\naxis = \"x\"")),
-        ("`axis` means nothing here", format!("{a}[[joint]]\nname = \"h\"\nkind = \"universal\"\nto = \"a\"\naxis = \"x\"")),
-        ("`lead` means nothing here", format!("{a}[[joint]]\nname = \"h\"\nkind = \"revolute\"\nto = \"a\"\nlead = 1")),
-        ("`orientation` means nothing here", format!("{a}[[joint]]\nname = \"h\"\nkind = \"revolute\"\nto = \"a\"\norientation = \"rpy\"")),
+        ("`axis` says nothing to a joint of kind", format!("{a}[[joint]]\nname = \"h\"\nkind = \"planar\"\nto = \"a\"\naxis = \"x\"")),
+        ("`axis` says nothing to a joint of kind", format!("{a}[[joint]]\nname = \"h\"\nkind = \"universal\"\nto = \"a\"\naxis = \"x\"")),
+        ("`lead` says nothing to a joint of kind", format!("{a}[[joint]]\nname = \"h\"\nkind = \"revolute\"\nto = \"a\"\nlead = 1")),
+        ("`orientation` says nothing to a joint of kind", format!("{a}[[joint]]\nname = \"h\"\nkind = \"revolute\"\nto = \"a\"\norientation = \"rpy\"")),
         ("needs `lead`", format!("{a}[[joint]]\nname = \"h\"\nkind = \"screw\"\nto = \"a\"")),
         ("`lead` of `h` must be made of numbers and parameters", format!("{a}[[joint]]\nname = \"h\"\nkind = \"screw\"\nto = \"a\"\nlead = \"t*1[m/s]\"")),
         ("the screw `i` closes a loop", format!("{a}{hinge}[[joint]]\nname = \"i\"\nkind = \"screw\"\nto = \"a\"\nlead = 1")),
@@ -139,4 +139,42 @@ fn where_a_loop_is_open_is_told() {
                 [[joint]]\nname = \"far\"\nkind = \"spherical\"\nto = \"a\"\nat = [5, 0, 0]\nto_at = [1, 0, 0]\n";
     let message = told(text).unwrap_or_default();
     assert!(message.starts_with("s.toml:9:1") && message.contains("`far.x` by 4"), "{message}");
+}
+
+/// Nothing that is refused stands in the scenes of this repository.
+#[test]
+fn the_scenes_at_hand_are_accepted() {
+    let mut count = 0;
+    for folder in ["../../models", "../../validation/scenes"] {
+        let files = std::fs::read_dir(folder).unwrap_or_else(|e| panic!("{folder}: {e}"));
+        for path in files.filter_map(|f| Some(f.ok()?.path())).filter(|p| p.extension().is_some_and(|e| e == "toml")) {
+            let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{e}"));
+            let built = Scene::parse(&path.to_string_lossy(), &text).and_then(|s| s.build());
+            assert!(built.is_ok(), "{}", built.err().map_or(String::new(), |e| e.to_string()));
+            count += 1;
+        }
+    }
+    assert!(count > 20, "{count}");
+}
+
+/// A rod on a hinge: at rest it carries the weight, in motion also the centripetal force.
+#[test]
+fn a_pendulum_pulls_at_its_hinge() {
+    let text = "[world]\ngravity = [0, -9.81, 0]\n\
+                [[body]]\nname = \"rod\"\nmass = 2\ncenter = [0, -0.5, 0]\ninertia = [0.2, 0.01, 0.2]\n\
+                [[joint]]\nname = \"hinge\"\nkind = \"revolute\"\nto = \"rod\"\n\
+                [outputs]\ncolumns = [\"hinge.fx\", \"hinge.fy\", \"hinge.fz\", \"hinge.tz\"]\n";
+    let model = Scene::parse("s.toml", text).and_then(|s| s.build()).unwrap_or_else(|e| panic!("{e}"));
+    let equations = derive(&model, &DeriveOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+    let columns: Vec<_> = model.outputs.iter().map(|o| o.node).collect();
+    let nodes = equations.by_state(&model, &columns);
+    for w in [0.0, 3.0] {
+        let mut x = model.inputs();
+        x[model.input_index(model.coordinates[0].rate)] = w;
+        let found = model.graph.eval(&nodes, &x);
+        let expected = [0.0, 2.0 * (9.81 + 0.5 * w * w), 0.0, 0.0];
+        for (a, b) in found.iter().zip(expected) {
+            assert!((a - b).abs() < 1e-12, "{found:?} for {expected:?}");
+        }
+    }
 }

@@ -77,7 +77,7 @@ impl<'g> Builder<'_, 'g> {
         Ok((key.name, member))
     }
 
-    /// Keys that mean nothing here: told rather than passed over.
+    /// Keys that mean nothing beside others: told rather than passed over.
     pub(super) fn without(&mut self, element: &SceneElement, keys: &[&str], why: &str) -> Made<()> {
         match keys.iter().find_map(|key| Some((key, element.get(key)?.place.clone()))) {
             Some((key, place)) => Err(self.low.report(place, format!("`{key}` means nothing here: {why}"))),

@@ -329,6 +329,9 @@ impl<'s, 'g> Builder<'s, 'g> {
             None => None,
         };
         match lead {
+            Some(lead) if self.evaluate(lead).is_none() => {
+                Err(self.low.report(place, format!("`lead` of `{name}` must be made of numbers and parameters")))
+            }
             Some(lead) => Ok(lead * number(1.0 / std::f64::consts::TAU)),
             None => Err(self.low.report(place, format!("the screw `{name}` needs `lead`, its advance a turn"))),
         }
