@@ -105,6 +105,7 @@ impl<'g> Builder<'_, 'g> {
     }
 
     /// The states that a key of `[initial]` or `[scale]` names: coordinate or quasi-velocity, primes, positions of the members.
+    #[allow(clippy::type_complexity)]
     pub(crate) fn state_key(&mut self, entry: &Entry) -> Made<(bool, u8, Vec<(usize, Binding)>)> {
         let place = entry.key_place.clone();
         let mut key = parse_key(&entry.key).map_err(|m| self.low.report(place.clone(), m))?;

@@ -114,6 +114,6 @@ impl<'g> Builder<'_, 'g> {
         let only = self.scene.section_elements("inertia").is_empty() && self.scene.section("coordinates").is_empty();
         let gravity = self.world_gravity().0.map(|e| self.low.graph.id(e));
         let there = !links.foreign && only && !links.tree.links.is_empty();
-        there.then(|| JointTree { gravity: Some(gravity), ..links.tree })
+        there.then_some(JointTree { gravity: Some(gravity), ..links.tree })
     }
 }
