@@ -38,8 +38,11 @@ fn align(axis: Vector<f64>) -> Pose<f64> {
     Pose::new(Rotation(std::array::from_fn(|i| [x[i], y[i], axis[i]])), Vector::zero())
 }
 
+/// A simple joint, where it stands behind the one before, and its coordinates.
+type Step = (Pose<f64>, Joint<f64>, Source);
+
 /// The joint as simple ones in a row, from parent to child, and what is fixed behind the last.
-fn chain(l: &Link, reversed: bool) -> (Vec<(Pose<f64>, Joint<f64>, Source)>, Pose<f64>) {
+fn chain(l: &Link, reversed: bool) -> (Vec<Step>, Pose<f64>) {
     let name = |part: &str| Source::Same(if part.is_empty() { l.name.clone() } else { format!("{}.{part}", l.name) });
     let sign = if reversed { -1.0 } else { 1.0 };
     let none = Pose::identity();
