@@ -106,7 +106,7 @@ fn what_is_wrong_is_told() {
         ("`axes` is", format!("{a}[[force]]\nname = \"f\"\non = \"a\"\nforce = [1, 0, 0]\naxes = \"body\"")),
         ("`force` is a list of 3", format!("{a}[[force]]\nname = \"f\"\non = \"a\"\nforce = [1, 0]")),
         ("is an acceleration [m/s^2]", format!("{a}[world]\ngravity = [0, 0, \"9.81 m\"]")),
-        ("made of parameters, not of `t`", format!("[[body]]\nname = \"a\"\nmass = \"t*1[kg/s]\"\ninertia = [1, 1, 1]")),
+        ("made of parameters, not of `t`", "[[body]]\nname = \"a\"\nmass = \"t*1[kg/s]\"\ninertia = [1, 1, 1]".into()),
         ("needs `spin`", "[coordinates]\nx = \"rad\"\n[[inertia]]\nname = \"i\"\ntensor = [1, 1, 1]\n[initial]\nx = 0\n\"x'\" = 0".into()),
         ("not positive", "[coordinates]\nx = \"m\"\n[[inertia]]\nname = \"i\"\nmass = -1\nvelocity = [0, 0, \"x'\"]\n[initial]\nx = 0\n\"x'\" = 0".into()),
         ("`value` means nothing here", "[coordinates]\nx = \"m\"\n[[inertia]]\nname = \"i\"\nmass = 1\nvalue = 1\nvelocity = [0, 0, \"x'\"]\n[initial]\nx = 0\n\"x'\" = 0".into()),

@@ -154,7 +154,7 @@ a = 0
 #[test]
 fn disc_rolling_straight_is_stable_above_its_speed() {
     let (g, r) = (9.81, 0.3);
-    let limit = (g / (3.0 * r) as f64).sqrt();
+    let limit = f64::sqrt(g / (3.0 * r));
     for spin in [0.0, 0.5, 0.99 * limit, 1.01 * limit, 8.0] {
         let u_2 = spin.to_string();
         let linear = good(DISC, &[("lean", "0"), ("u_1", "0"), ("u_2", &u_2), ("u_3", "0")], &[]);
