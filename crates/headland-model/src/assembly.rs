@@ -5,6 +5,7 @@
 //! are known ([`Builder::build_assembly`]).
 
 mod closures;
+mod curved;
 mod fields;
 mod forces;
 mod joints;

@@ -251,8 +251,16 @@ pub const SECTIONS: &[Section] = &[
             key("axis", Kind::Expressions, false, "of a wheel or disc: \"x\", \"y\", \"z\" or [x, y, z] in `body`"),
             key("tube", Kind::Expression, false, "radius of the section of a rim; 0 by default: a thin disc"),
             key("semi_axes", Kind::Expressions, false, "of an ellipsoid, along the axes of `body`"),
+            key(
+                "surface",
+                Kind::Text,
+                false,
+                "`plane` (default), `sphere` about the origin of `on`, `cylinder` about its z axis; balls only",
+            ),
+            key("surface_radius", Kind::Expression, false, "radius of the sphere or cylinder"),
+            key("outside", Kind::Flag, false, "true: the ball rolls on the outside; inside by default"),
         ],
-        "rolling without slipping on a plane",
+        "rolling without slipping on a plane, sphere or cylinder",
     ),
     elements(
         "skate",

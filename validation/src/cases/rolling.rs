@@ -96,6 +96,14 @@ pub(crate) const CASES: &[Case] = &[
         ..Case::USUAL
     },
     Case {
+        name: "ball_in_cylinder_wall",
+        scene: scene!("ball_in_cylinder_wall"),
+        expected: closed::cylinder,
+        bite: ("Phi", "5.05"),
+        source: "closed form (exact_nonholonomic.json, homogeneous_sphere_inside_vertical_cylinder)",
+        ..Case::USUAL
+    },
+    Case {
         name: "vertical_disc",
         scene: scene!("vertical_disc"),
         expected: closed::vertical_disc,

@@ -1,4 +1,4 @@
-//! Rolling without slipping on a plane, and edges that do not slip sideways.
+//! Rolling without slipping on a plane (balls on spheres and cylinders: `curved.rs`), and edges that do not slip sideways.
 //!
 //! A wheel, disc, ball or ellipsoid touches the plane `z = 0` of a frame, normal n, at p from its centre c. The point of
 //! the body that is there at the moment stands still:
@@ -55,6 +55,10 @@ impl<'g> Builder<'_, 'g> {
             let form = self.rolling_form(element, &binding)?;
             let (Some(a), Some(b)) = (self.motion(ground), self.motion(body)) else { return Err(Reported) };
             let relative = Relative::new(&a, &b.fixed(&centre));
+            if let (Some(curved), Form::Ball(radius)) = (self.curved_ground(element, &binding)?, &form) {
+                self.roll_on(&full, &relative, *radius, &curved, element);
+                continue;
+            }
             let contact = relative.contact(&form);
             let rows = relative.slip(&contact);
             for i in 0..2 {
@@ -95,7 +99,13 @@ impl<'g> Builder<'_, 'g> {
     }
 
     /// A velocity that must be zero, with its rate.
-    fn bind_velocity(&mut self, name: &str, [velocity, rate]: [Expr<'g>; 2], force: &str, element: &SceneElement) {
+    pub(super) fn bind_velocity(
+        &mut self,
+        name: &str,
+        [velocity, rate]: [Expr<'g>; 2],
+        force: &str,
+        element: &SceneElement,
+    ) {
         if velocity.is(0.0) {
             return;
         }
@@ -103,7 +113,9 @@ impl<'g> Builder<'_, 'g> {
         let row = KinematicRow::new(name, &element.place, RowForm::Zero(graph.id(velocity)));
         let row = KinematicRow { rate: Some(graph.id(rate)), may_be_redundant: true, ..row };
         self.parts.kinematics.push(row);
-        self.name_force(force.into(), Dimension::of(1, 1, -2));
+        if !force.is_empty() {
+            self.name_force(force.into(), Dimension::of(1, 1, -2));
+        }
     }
 
     /// A point of a body that has no velocity along a direction of the body.
