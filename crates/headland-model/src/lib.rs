@@ -48,6 +48,7 @@ mod functions;
 pub mod lower;
 mod mechanics;
 pub mod model;
+mod names;
 pub mod place;
 mod present;
 pub mod read;
