@@ -152,7 +152,6 @@ impl<'g> Builder<'_, 'g> {
         for binding in self.members_of(&[&formula], &element.place)? {
             let typed = self.low.lower(&formula, &binding)?;
             let name = bound_name(&name, &binding);
-            self.no_accelerations(&typed, &formula.place, &format!("the event `{name}`"))?;
             self.parts.events.push(Event { name, quantity: self.low.graph.id(typed.expr), direction, stop });
         }
         Ok(())

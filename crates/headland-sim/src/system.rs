@@ -72,7 +72,7 @@ pub struct System {
     pub redundant: Vec<usize>,
     /// Scaled entries of G of the dependent rates: the growth of the partition.
     pub growth: Compiled,
-    events: TapeFunction,
+    events: Compiled,
     /// What each event function watches.
     pub watches: Vec<Watch>,
     /// Multipliers that stand as inputs behind u′: none with elimination.
@@ -174,7 +174,7 @@ impl System {
             positions: Positions::new(graph, &holonomic, nq),
             redundant,
             growth: compile(&growth),
-            events: plain(&events),
+            events: compile(&events),
             jacobian: OnceCell::new(),
             linear_solver: equations.linear_solver,
             kinematics,
@@ -367,7 +367,7 @@ impl Problem {
         Self {
             rhs: system.rhs.evaluator(),
             jacobian: None,
-            events: system.events.evaluator(),
+            events: system.events.function.evaluator(),
             projector: system.positions.projector(),
             loops: system.loops.as_ref().map(Loops::scratch),
             #[cfg(feature = "ida")]
@@ -516,7 +516,11 @@ impl OdeProblem for Problem {
     }
 
     fn events(&mut self, t: f64, y: &[f64], g: &mut [f64]) -> Result<(), EvalFailure> {
-        self.load(t, y);
+        if self.system.events.reads_accelerations {
+            self.full_inputs(t, y);
+        } else {
+            self.load(t, y);
+        }
         self.watch(g);
         Ok(())
     }
