@@ -22,7 +22,7 @@ pub(crate) struct RunArgs {
     /// Relative tolerance; a state's absolute one is this times its scale
     #[arg(long, allow_hyphen_values = true)]
     tol: Option<String>,
-    /// auto, dop853, cvode-bdf, cvode-adams
+    /// auto, dop853, cvode-bdf, cvode-adams, ida, ida-index1
     #[arg(long)]
     method: Option<String>,
     /// Output at exactly these times, in s: --at 0.75,5,10

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::error::DeriveError;
 use crate::kinematics::{Kinematics, velocity_name};
-use crate::sample::start_inputs;
+use crate::sample::{Spread, start_inputs};
 
 /// `G` and `g` as numbers at the given inputs: column k of G is the velocities at `u = e_k` less those at `u = 0`.
 pub fn kinematic_matrices(model: &Model, kinematics: &Kinematics, inputs: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
@@ -56,9 +56,14 @@ pub fn assemble(model: &Model) -> Result<(Vec<f64>, Vec<Moved>), DeriveError> {
         if columns.is_empty() {
             continue;
         }
-        found = [true, false].into_iter().find_map(|damped| {
+        // stretched or folded linkages are stationary places of the search: then it begins a little beside, at several
+        found = (0..10).find_map(|attempt: u32| {
             let mut inputs = start.clone();
-            positions.solve(&mut inputs, &columns, damped).then_some(inputs)
+            let mut spread = Spread::new(attempt);
+            for &i in columns.iter().filter(|_| attempt > 1) {
+                inputs[model.input_index(model.coordinates[i].q)] += 0.3 * spread.next_number();
+            }
+            positions.solve(&mut inputs, &columns, attempt != 1).then_some(inputs)
         });
         if found.is_some() {
             break;

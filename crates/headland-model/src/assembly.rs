@@ -24,6 +24,7 @@ use crate::dimension::Dimension;
 use crate::model::{Body, Reaction, VectorStructure};
 use crate::place::Place;
 use crate::scene::Element as SceneElement;
+use crate::scene::{Data, Value};
 use crate::symbols::{Binding, Members, Symbol};
 
 use joints::JointKind;
@@ -172,6 +173,16 @@ impl<'s, 'g> Builder<'s, 'g> {
             None => Ok(Vector::zero()),
         };
         let Ok(gravity) = gravity else { return };
+        for e in gravity.0 {
+            if let Some(name) = self.depends(e, crate::depend::Kinds::PARAMETER.not()) {
+                if let Some(value) = self.scene.get("world", "gravity") {
+                    let message =
+                        format!("`gravity` is made of parameters, not of `{name}`; what changes is a `[[force]]`");
+                    let _ = self.low.report(value.place.clone(), message);
+                }
+                return;
+            }
+        }
         self.assembly.frames[0].motion = Some(Motion::world(gravity));
         for k in 0..self.assembly.tree.len() {
             let (joint, reversed) = self.assembly.tree[k];
@@ -200,6 +211,9 @@ impl<'s, 'g> Builder<'s, 'g> {
 
     /// Constraints and forces between frames; definitions may be used here.
     pub(crate) fn assembly_elements(&mut self) {
+        for section in ["rolling", "skate", "spring", "bushing"] {
+            self.no_name_twice(section);
+        }
         for element in self.scene.section_elements("rolling") {
             let _ = self.rolling(element);
         }
@@ -211,6 +225,18 @@ impl<'s, 'g> Builder<'s, 'g> {
         }
         for element in self.scene.section_elements("bushing") {
             let _ = self.bushing(element);
+        }
+    }
+
+    /// Two elements of a section with the same name would share the names of their forces.
+    pub(crate) fn no_name_twice(&mut self, section: &str) {
+        let elements = self.scene.section_elements(section);
+        for (i, element) in elements.iter().enumerate() {
+            let Some(Value { data: Data::Text(name), place }) = element.get("name") else { continue };
+            let is_same = |e: &SceneElement| matches!(e.get("name"), Some(v) if v.data == Data::Text(name.clone()));
+            if elements[..i].iter().any(is_same) {
+                self.low.report(place.clone(), format!("two elements of [[{section}]] are named `{name}`"));
+            }
         }
     }
 

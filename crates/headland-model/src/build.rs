@@ -143,6 +143,7 @@ impl<'s, 'g> Builder<'s, 'g> {
         ] {
             self.elements(section, kind, &power);
         }
+        self.no_name_twice("force");
         self.publish_derived();
         self.initial();
         self.scales();

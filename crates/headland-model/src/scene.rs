@@ -206,7 +206,8 @@ impl Scene {
                     let slot = self.tables.get_mut(section).and_then(|t| t.iter_mut().find(|e| e.key == key));
                     return slot.map_or(Found::Nothing(String::new()), |e| Found::Value(&mut e.value));
                 }
-                if known && !format.keys.is_empty() {
+                let base = key.split(['[', '.', '\'']).next().unwrap_or(key);
+                if known && (!format.keys.is_empty() || section == "initial" && self.is_body_or_joint(base)) {
                     return Found::Missing(section.into(), key.into());
                 }
                 let keys: Vec<&str> = self.section(section).iter().map(|e| e.key.as_str()).collect();
@@ -252,6 +253,10 @@ impl Scene {
         {
             return Found::Missing((*section).into(), name.into());
         }
+        let base = name.split(['[', '.', '\'']).next().unwrap_or(name);
+        if at.is_none() && self.is_body_or_joint(base) {
+            return Found::Missing("initial".into(), name.into());
+        }
         let Some((section, i, member)) = at else {
             let names: Vec<&str> = SEARCHED.iter().flat_map(|s| self.section(s)).map(|e| e.key.as_str()).collect();
             let hint = headland_expr::parse::suggestion(name, names);
@@ -263,6 +268,12 @@ impl Scene {
             return Found::Value(&mut values[k - 1]);
         }
         Found::Value(value)
+    }
+
+    /// Whether a body or joint has the name, without index: its coordinates have starts that a file may leave out.
+    fn is_body_or_joint(&self, base: &str) -> bool {
+        let named = |e: &Element| matches!(e.get("name"), Some(Value { data: Data::Text(n), .. }) if n.split('[').next() == Some(base));
+        ["body", "joint"].iter().any(|s| self.section_elements(s).iter().any(named))
     }
 }
 

@@ -75,7 +75,11 @@ impl Members {
     /// One more member; false if it is there already or if single and family are mixed.
     pub fn insert(&mut self, member: i64, position: usize) -> bool {
         let fits = self.0.keys().all(|m| (*m == 0) == (member == 0));
-        fits && self.0.insert(member, position).is_none()
+        let new = fits && !self.0.contains_key(&member);
+        if new {
+            self.0.insert(member, position);
+        }
+        new
     }
 
     /// Position of a member.

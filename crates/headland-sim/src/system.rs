@@ -24,6 +24,8 @@ pub enum Watch {
     Event(usize),
     /// A guard that stops the run, by its position.
     Guard(usize),
+    /// A guard's warning, by its position.
+    Warning(usize),
 }
 
 /// A compiled function of `x = [t, y, u′]` that knows whether it reads u′: if not, none has to be found for it.
@@ -192,8 +194,9 @@ impl System {
         let mut watches: Vec<Watch> = (0..events.len()).map(Watch::Event).collect();
         let mut nodes = events.to_vec();
         for (i, guard) in model.guards.iter().enumerate() {
-            if let Some(limit) = guard.stop_below {
-                watches.push(Watch::Guard(i));
+            let limits = [(guard.stop_below, Watch::Guard(i)), (guard.warn_below, Watch::Warning(i))];
+            for (limit, watch) in limits.into_iter().filter_map(|(limit, watch)| Some((limit?, watch))) {
+                watches.push(watch);
                 nodes.push(graph.id(graph.expr(guards[i]) - Expr::Const(limit)));
             }
         }

@@ -386,11 +386,7 @@ impl<'m> TimeLoop<'m> {
         for (i, (guard, value)) in self.model.guards.iter().zip(values).enumerate() {
             let below = guard.warn_below.is_some_and(|limit| value < limit);
             if below && !self.warned[i] {
-                let limit = guard.warn_below.unwrap_or_default();
-                let (name, unit) = (&guard.name, &guard.unit);
-                let message =
-                    format!("warning: {name} = {value:.6}{unit} is below {limit:.6}{unit}: {}", guard.message);
-                self.tell(t, &message, observer);
+                self.warn_of_guard(t, i, value, observer);
             }
             self.warned[i] = below;
             if let Some(limit) = guard.stop_below.filter(|limit| value < *limit) {
@@ -399,10 +395,23 @@ impl<'m> TimeLoop<'m> {
         }
     }
 
+    fn warn_of_guard(&mut self, t: f64, i: usize, value: f64, observer: &mut dyn Observer) {
+        let guard = &self.model.guards[i];
+        let (name, unit, limit) = (&guard.name, &guard.unit, guard.warn_below.unwrap_or_default());
+        let why = if guard.message.is_empty() { String::new() } else { format!(": {}", guard.message) };
+        let message = if value < limit {
+            format!("warning: {name} = {value:.6}{unit} is below {limit:.6}{unit}{why}")
+        } else {
+            format!("warning: {name} fell below {limit:.6}{unit}{why}")
+        };
+        self.tell(t, &message, observer);
+    }
+
     fn stop_by_guard(&mut self, t: f64, i: usize, value: f64, limit: f64) {
         let guard = &self.model.guards[i];
         let (name, unit) = (&guard.name, &guard.unit);
-        let reason = format!("{name} = {value:.6}{unit} fell below {limit:.6}{unit} at t = {t} s: {}", guard.message);
+        let why = if guard.message.is_empty() { String::new() } else { format!(": {}", guard.message) };
+        let reason = format!("{name} = {value:.6}{unit} fell below {limit:.6}{unit} at t = {t} s{why}");
         self.ending.status = Status::Failed(reason);
     }
 
@@ -413,6 +422,12 @@ impl<'m> TimeLoop<'m> {
                 self.stop_by_guard(t, i, limit, limit);
             }
             Watch::Guard(_) => {}
+            Watch::Warning(i) => {
+                if !rising && !self.warned[i] {
+                    self.warn_of_guard(t, i, self.model.guards[i].warn_below.unwrap_or_default(), observer);
+                }
+                self.warned[i] = !rising;
+            }
             Watch::Event(i) => {
                 let event = &self.model.events[i];
                 let wanted = match event.direction {

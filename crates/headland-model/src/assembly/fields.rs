@@ -45,6 +45,10 @@ impl<'g> Builder<'_, 'g> {
         let place = element.get("name").map_or(element.place.clone(), |v| v.place.clone());
         let full = bound_name(name, binding);
         let (base, member) = self.split_name(&full, &place)?;
+        if base == "system" {
+            let message = format!("`system` stands for all bodies together and cannot name {new}");
+            return Err(self.low.report(place, message));
+        }
         match self.low.symbols.by_name.get_mut(base.as_str()) {
             Some(Symbol::Frame(_)) if new == "a joint" => self.free_name(&base, &place, new)?,
             Some(Symbol::Joint(_)) if new != "a joint" => self.free_name(&base, &place, new)?,

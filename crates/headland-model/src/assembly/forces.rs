@@ -44,14 +44,31 @@ impl<'g> Builder<'_, 'g> {
                 let message = format!("the spring `{full}` has neither `stiffness` nor `damping`");
                 return Err(self.low.report(element.place.clone(), message));
             }
+            for (key, e) in [("stiffness", stiffness), ("damping", damping), ("free_length", free)] {
+                let Some(e) = e else { continue };
+                self.without_accelerations(element, key, &full, e)?;
+                let velocities = Kinds::RATE.or(Kinds::QUASI).or(Kinds::JOINT);
+                let (wrong, allowed) = match key {
+                    "stiffness" => (Kinds::PARAMETER.not(), "parameters"),
+                    "free_length" => (velocities, "parameters, time and coordinates"),
+                    _ => continue,
+                };
+                if let Some(input) = self.depends(e, wrong) {
+                    let place = element.get(key).map_or(&element.place, |v| &v.place).clone();
+                    let message = format!("`{key}` of `{full}` depends on `{input}`; it is made of {allowed}");
+                    return Err(self.low.report(place, message));
+                }
+            }
             let free = free.unwrap_or(number(0.0));
             let length = d.norm();
+            // a free length that changes, by a winch or a given function, is part of the stretch
+            let free_rate = self.low.time_derivative(free, 1).map_err(|m| self.low.report(element.place.clone(), m))?;
             let rate = d.dot(d_rate) / length;
             let mut add = |kind, value, structure, rate| self.add_scalar(element, &full, kind, value, structure, rate);
             match stiffness {
                 // without a free length the force is c d, also where d is nothing
                 Some(c) if free.is(0.0) => (0..3).for_each(|i| add(ElementKind::Elastic, c, d[i], d_rate[i])),
-                Some(c) => add(ElementKind::Elastic, c, length - free, rate),
+                Some(c) => add(ElementKind::Elastic, c, length - free, rate - free_rate),
                 None => {}
             }
             if let Some(b) = damping {
@@ -59,6 +76,13 @@ impl<'g> Builder<'_, 'g> {
             }
         }
         Ok(())
+    }
+
+    /// Refuses what depends on accelerations.
+    fn without_accelerations(&mut self, element: &SceneElement, key: &str, full: &str, e: Expr<'g>) -> Made<()> {
+        let typed = crate::lower::Typed { expr: e, ..crate::lower::Typed::number(0.0, Dimension::NONE) };
+        let place = element.get(key).map_or(&element.place, |v| &v.place);
+        self.no_accelerations(&typed, place, &format!("`{key}` of `{full}`"))
     }
 
     /// Springs and dampers along and about the three axes of a frame on `from`.
@@ -85,6 +109,13 @@ impl<'g> Builder<'_, 'g> {
             for (key, kind, dimension, turns) in keys {
                 let values = self.vector_field(element, key, &binding, &dimension, false)?;
                 for i in (0..3).filter(|i| !values[*i].is(0.0)) {
+                    self.without_accelerations(element, key, &full, values[i])?;
+                    if kind == ElementKind::Elastic
+                        && let Some(input) = self.depends(values[i], Kinds::PARAMETER.not())
+                    {
+                        let message = format!("`{key}` of `{full}` depends on `{input}`; it is made of parameters");
+                        return Err(self.low.report(element.place.clone(), message));
+                    }
                     let name = format!("{full}.{}{}", if turns { "t" } else { "" }, ["x", "y", "z"][i]);
                     if turns {
                         self.add_turned(element, &name, kind, values[i], angles[i]);
