@@ -64,4 +64,4 @@ pub use model::{
     VectorNodes, VectorStructure,
 };
 pub use place::{Diagnostic, ModelError, Place, Source};
-pub use scene::{Data, Entry, Scene, Value};
+pub use scene::{Adding, Data, Entry, Scene, Value};

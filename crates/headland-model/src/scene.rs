@@ -59,6 +59,17 @@ impl<T: Into<Value> + Clone> From<&[T]> for Value {
     }
 }
 
+impl<T: Into<Value>, const N: usize> From<[T; N]> for Value {
+    fn from(x: [T; N]) -> Self {
+        Self { data: Data::Array(x.into_iter().map(Into::into).collect()), place: Place::Program }
+    }
+}
+impl From<bool> for Value {
+    fn from(x: bool) -> Self {
+        Self { data: Data::Flag(x), place: Place::Program }
+    }
+}
+
 /// A named value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
@@ -134,6 +145,26 @@ impl Scene {
             .collect();
         self.elements.entry(section.into()).or_default().push(Element { fields, place: Place::Program });
         self
+    }
+
+    /// Adds an element by its name, to be filled with [`Adding::with`].
+    ///
+    /// ```
+    /// use headland_model::Scene;
+    ///
+    /// let mut scene = Scene::new("pendulum");
+    /// scene.entry("world", "gravity", ["0", "-9.81 m/s^2", "0"]);
+    /// scene.add("body", "bob").with("mass", "1 kg").with("center", ["1 m", "0", "0"]);
+    /// scene.add("joint", "phi").with("kind", "revolute").with("to", "bob");
+    /// scene.entry("initial", "phi", "30 deg");
+    /// assert_eq!(scene.build().unwrap().coordinates[0].name, "phi");
+    /// ```
+    pub fn add(&mut self, section: &str, name: &str) -> Adding<'_> {
+        let field = Entry { key: "name".into(), key_place: Place::Program, value: name.into() };
+        let elements = self.elements.entry(section.into()).or_default();
+        let position = elements.len();
+        elements.push(Element { fields: vec![field], place: Place::Program });
+        Adding { element: &mut elements[position] }
     }
 
     /// The entries of a section.
@@ -274,6 +305,21 @@ impl Scene {
     fn is_body_or_joint(&self, base: &str) -> bool {
         let named = |e: &Element| matches!(e.get("name"), Some(Value { data: Data::Text(n), .. }) if n.split('[').next() == Some(base));
         ["body", "joint"].iter().any(|s| self.section_elements(s).iter().any(named))
+    }
+}
+
+/// An element that is being filled.
+#[derive(Debug)]
+pub struct Adding<'s> {
+    element: &'s mut Element,
+}
+
+impl Adding<'_> {
+    /// Adds `key = value`.
+    #[allow(clippy::must_use_candidate)]
+    pub fn with(self, key: &str, value: impl Into<Value>) -> Self {
+        self.element.fields.push(Entry { key: key.into(), key_place: Place::Program, value: value.into() });
+        self
     }
 }
 

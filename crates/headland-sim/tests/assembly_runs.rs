@@ -58,3 +58,33 @@ fn a_tilted_disc_and_a_moving_plane_keep_their_contact() {
            \"shake.y\" = \"0\"\n\"shake.angle\" = \"0.2*sin(2*t)\"\n";
     check(&format!("{moving}[initial]\n\"wheel.z\" = 0.5\n\"wheel.wy\" = 6\n"), 2.0);
 }
+
+/// A rope whose free length a drum pays out pulls at the drum, too.
+#[test]
+fn a_winch_feels_its_rope() {
+    let text = "[[body]]\nname = \"load\"\nmass = 1\n[[joint]]\nname = \"z\"\nkind = \"prismatic\"\nto = \"load\"\n\
+                [[body]]\nname = \"wheel\"\nmass = 1\ninertia = [0.1, 0.1, 0.1]\n\
+                [[joint]]\nname = \"drum\"\nkind = \"revolute\"\nto = \"wheel\"\n\
+                [[spring]]\nname = \"rope\"\nto = \"load\"\nstiffness = \"10 N/m\"\nfree_length = \"0.3[m] + 0.1[m]*drum\"\n\
+                [initial]\nz = 0.5\n\"drum'\" = 1\n[outputs]\ncolumns = [\"z\", \"drum\"]\n";
+    let model = read(text).build().unwrap_or_else(|e| panic!("{e}"));
+    let run = done(&model, |o| {
+        o.tolerance = 1e-11;
+        o.until = 2.0;
+    });
+    // s = z − 0.3 − 0.1 φ: s″ = −10 (1 + 0.1²/0.1) s, s(0) = 0.2, s′(0) = −0.1
+    let (w, t) = (11.0_f64.sqrt(), 2.0);
+    let s = 0.2 * (w * t).cos() - 0.1 / w * (w * t).sin();
+    let row = &run.trajectory.rows[run.trajectory.rows.len() - 1];
+    assert!((row[0] - 0.3 - 0.1 * row[1] - s).abs() < 1e-9, "{row:?}");
+    assert!((row[1] + row[0] - (1.0 * t + 0.5)).abs() < 1e-9, "{row:?}"); // 0.1 φ″ = 0.1 F, z″ = −F: z + φ moves evenly
+    assert!(run.report.energy_balance.is_some_and(|b| b < 1e-9));
+}
+
+/// A linkage that is to be found from a folded guess.
+#[test]
+fn folded_places_do_not_hold_the_search_for_a_start() {
+    let run = "[initial]\na0 = 0.3\n\"a0'\" = 1\n";
+    let text = linkage(&[0.0, 1.0], [0.4, 0.8], run).replace("at = [1, 0, 0]", "at = [1.3, 0, 0]");
+    check(&text, 1.0);
+}
