@@ -106,6 +106,7 @@ impl<'s, 'g> Builder<'s, 'g> {
         if self.low.diagnostics.is_empty() {
             self.span_tree();
             self.declare_joint_coordinates();
+            self.declare_places();
         }
     }
 

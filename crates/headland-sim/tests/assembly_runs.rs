@@ -88,3 +88,27 @@ fn folded_places_do_not_hold_the_search_for_a_start() {
     let text = linkage(&[0.0, 1.0], [0.4, 0.8], run).replace("at = [1, 0, 0]", "at = [1.3, 0, 0]");
     check(&text, 1.0);
 }
+
+/// A bowl as a sphere and as a surface given by its height: the same motion and contact force; and waves keep the energy.
+#[test]
+fn balls_roll_alike_on_a_sphere_and_on_its_height() {
+    let ball = "[world]\ngravity = [0, 0, -9.81]\n[[body]]\nname = \"ball\"\nmass = 1\nshape = \"sphere\"\nsize = 0.2\n\
+                [[rolling]]\nname = \"c\"\nbody = \"ball\"\nradius = 0.2\n";
+    let start = "[initial]\n\"ball.x\" = 0.5\n\"ball.z\" = \"-1[m]*sqrt(0.64 - 0.25)\"\n\"ball.y'\" = 1\n\"ball.x'\" = 0\n\"ball.wx\" = 3\n\
+                 [outputs]\ncolumns = [\"ball.x\", \"ball.y\", \"ball.z\", \"ball.wx\", \"c.fx\", \"c.fy\", \"c.fz\", \"system.px'\"]\n";
+    let sphere = format!("{ball}surface = \"sphere\"\nsurface_radius = 1\n{start}");
+    let height = "surface = \"height\"\nheight = \"-1[m]*sqrt(1 - (c.s/1[m])^2 - (c.t/1[m])^2)\"\n";
+    let runs = [sphere, format!("{ball}{height}{start}")].map(|text| {
+        let model = read(&text).build().unwrap_or_else(|e| panic!("{e}"));
+        done(&model, |o| {
+            o.tolerance = 1e-11;
+            o.until = 3.0;
+        })
+    });
+    for (a, b) in runs[0].trajectory.rows.iter().zip(&runs[1].trajectory.rows) {
+        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-7 * a.abs().max(1.0)), "{a:?}\n{b:?}");
+        assert!((a[4] - a[7]).abs() < 1e-9 && (b[4] - b[7]).abs() < 1e-9, "the contact alone acts along x: {a:?}");
+    }
+    let waves = "surface = \"height\"\nheight = \"0.1[m]*sin(2*c.s/1[m])*cos(1.5*c.t/1[m])\"\n";
+    check(&format!("{ball}{waves}[initial]\n\"c.s\" = 0.3\n\"c.t\" = 0.2\n\"ball.x'\" = 1\n\"ball.y'\" = 0.4\n"), 5.0);
+}

@@ -59,6 +59,11 @@ impl<'g> Builder<'_, 'g> {
                 self.roll_on(&full, &relative, *radius, &curved, element);
                 continue;
             }
+            if let Form::Ball(radius) = &form
+                && self.roll_on_height(&full, &relative, *radius, element, &binding)?
+            {
+                continue;
+            }
             let contact = relative.contact(&form);
             let rows = relative.slip(&contact);
             for i in 0..2 {
