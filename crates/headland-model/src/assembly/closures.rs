@@ -9,7 +9,7 @@
 //! R_AB″ = R_AB ([w]×[w]× + [w′]×),   w′ = w_B′ − R_ABᵀ w_A′ + w × R_ABᵀ w_A
 //! ```
 
-use headland_expr::{Expr, Scalar};
+use headland_expr::{Expr, NodeId, Scalar};
 use headland_spatial::{Pose, Rotation, Vector};
 
 use super::motion::Motion;
@@ -59,10 +59,15 @@ impl<'g> Builder<'_, 'g> {
                 (*row, self.low.graph.id(-vector[m % 3]))
             };
             let constraints = forces.iter().map(part).collect();
-            let reaction = Reaction { rows: Vec::new(), constraints };
-            self.assembly.closing_forces.push((format!("{name}.{component}"), reaction, torque));
+            self.name_sum(format!("{name}.{component}"), constraints, torque);
         }
         Ok(())
+    }
+
+    /// Names a force or torque that several rows make together, each with its part, negative.
+    pub(super) fn name_sum(&mut self, name: String, constraints: Vec<(usize, NodeId)>, torque: bool) {
+        let reaction = Reaction { rows: Vec::new(), constraints };
+        self.assembly.closing_forces.push((name, reaction, torque));
     }
 
     /// Names the force of the row that was made last.

@@ -23,7 +23,6 @@ use super::number;
 use crate::build::{Builder, Made, bound_name};
 use crate::dimension::Dimension;
 use crate::lower::Reported;
-use crate::model::Reaction;
 use crate::scene::Data;
 use crate::scene::Element as SceneElement;
 use crate::symbols::{Binding, Members, Symbol};
@@ -147,8 +146,7 @@ impl<'g> Builder<'_, 'g> {
             self.bind_velocity(&format!("{name}.{axis}"), [slip[i], second], "", element);
         }
         for (axis, constraints) in ["x", "y", "z"].into_iter().zip(forces) {
-            let reaction = Reaction { rows: Vec::new(), constraints };
-            self.assembly.closing_forces.push((format!("{name}.f{axis}"), reaction, false));
+            self.name_sum(format!("{name}.f{axis}"), constraints, false);
         }
         Ok(true)
     }
@@ -189,8 +187,7 @@ impl<'g> Builder<'_, 'g> {
         for (i, axis) in ["x", "y", "z"].into_iter().enumerate() {
             let mut constraints = vec![(first + i, graph.id(number(-1.0)))];
             constraints.extend(held.map(|row| (row, graph.id(-n[i]))));
-            let reaction = Reaction { rows: Vec::new(), constraints };
-            self.assembly.closing_forces.push((format!("{name}.f{axis}"), reaction, false));
+            self.name_sum(format!("{name}.f{axis}"), constraints, false);
         }
     }
 }
