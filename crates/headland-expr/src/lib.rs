@@ -18,12 +18,13 @@
 //!
 //! In order: [`scalar`] is the trait, [`ops`] the one table of operators, [`graph`] the hash-consed arena, [`expr`] its
 //! handles with their simplifications, [`derivative`] forward and reverse, [`dual`] derivatives without symbols,
-//! [`spline`] table interpolation, [`interval`] ranges, [`timeline`](mod@timeline) where functions of time bend, [`parse`] from text,
+//! [`spline`] table interpolation, [`field`] functions known by numbers, [`interval`] ranges, [`timeline`](mod@timeline) where functions of time bend, [`parse`] from text,
 //! [`print`](mod@print) back to text, LaTeX and C.
 
 pub mod derivative;
 pub mod dual;
 pub mod expr;
+pub mod field;
 pub mod graph;
 pub mod interval;
 pub mod ops;
@@ -35,6 +36,7 @@ pub mod timeline;
 
 pub use dual::Dual;
 pub use expr::Expr;
+pub use field::{FIELD_PARTS, Field, field_part};
 pub use graph::{Graph, NodeId};
 pub use interval::Interval;
 pub use ops::Op;

@@ -1,0 +1,5 @@
+//! Surfaces that bodies touch.
+
+pub mod shape;
+
+pub use shape::{Shape, Side};
