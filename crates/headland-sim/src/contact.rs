@@ -50,7 +50,8 @@ pub(crate) fn limits(model: &Model, graph: &Graph, nodes: &[NodeId], slides_from
                 watch(Limit::Cone, at(16).powi(2) * normal.powi(2) * Expr::Const(1.0 + ROUNDING) - across);
             }
             _ if !friction.viscous => {
-                let along = |sum, i: usize| sum + at(6 + i) * graph.expr(graph.input_id(direction + i));
+                let input = |i: usize| graph.expr(graph.input_id(direction + i));
+                let along = |sum, i: usize| sum + (at(6 + i) + input(3 + i)) * input(i);
                 watch(Limit::Slip, (0..3).fold(Expr::Const(0.0), along));
             }
             _ => {}
@@ -115,8 +116,7 @@ pub(crate) fn unit(a: [f64; 3]) -> [f64; 3] {
 
 /// All contacts at a state.
 pub(crate) fn look(system: &System, problem: &mut Problem, t: f64, y: &[f64]) -> Vec<ContactState> {
-    let function = system.contact_function();
-    let out = function.evaluator().eval(problem.full_inputs(t, y)).to_vec();
+    let out = system.contact_function().evaluator().eval(problem.full_inputs(t, y)).to_vec();
     (0..system.modes.len()).map(|k| ContactState::read(&out[NODES * k..])).collect()
 }
 
@@ -147,8 +147,7 @@ pub(crate) fn impact(
     restitution: Option<f64>,
 ) -> Option<Impact> {
     let (nq, nu) = (system.nq, system.nu);
-    let function = system.contact_function();
-    let mut evaluator = function.evaluator();
+    let mut evaluator = system.contact_function().evaluator();
     let out = evaluator.eval(problem.full_inputs(t, y)).to_vec();
     let contact = ContactState::read(&out[NODES * k..]);
     let mut mass = out[NODES * system.modes.len()..].to_vec();

@@ -12,13 +12,13 @@ use std::rc::Rc;
 
 use headland_dynamics::{Equations, derive_at};
 use headland_model::{Mode, Model};
-use headland_solve::SolveError;
+use headland_solve::{OdeProblem, SolveError};
 use typed_arena::Arena;
 
 use crate::contact::{ContactState, Impact, SLIDE, dot, impact, length, look, unit};
 use crate::options::RunOptions;
 use crate::report::{Observer, Status};
-use crate::system::{Limit, Problem, System};
+use crate::system::{Limit, Problem, System, Watch};
 use crate::time_loop::TimeLoop;
 use crate::work::Work;
 
@@ -29,7 +29,10 @@ const CLOSED: f64 = 1e-9;
 const AT_REST: f64 = 1e-9;
 
 /// Height of a bounce that rounding of positions does not let see any more, m.
-const LOWEST_BOUNCE: f64 = 1e-13;
+const LOWEST_BOUNCE: f64 = 1e-11;
+
+/// Part of its largest value so far by which a limit may be overstepped.
+const OVERLOOKED: f64 = 1e-9;
 
 /// Impacts of a contact that are told one by one.
 const TOLD: u32 = 5;
@@ -51,6 +54,10 @@ pub(crate) struct Contacts<'m> {
     slides: Vec<[f64; SLIDE]>,
     /// Impacts of each contact since it was last at rest on its surface.
     impacts: Vec<u32>,
+    /// Largest normal force of each contact, and what was left of its friction, squared.
+    largest: Vec<[f64; 2]>,
+    /// Relative size of the shift.
+    shift: f64,
     /// A time at which the next step must end: half of a short bounce.
     pub(crate) soon: Option<f64>,
 }
@@ -66,7 +73,7 @@ pub(crate) fn model_at_start<'m>(scene: &'m Model, arena: &'m Arena<Model>) -> &
 
 impl<'m> Contacts<'m> {
     /// Of a scene that starts with the given model.
-    pub(crate) fn new(scene: &'m Model, start: &'m Model, arena: &'m Arena<Model>) -> Self {
+    pub(crate) fn new(scene: &'m Model, start: &'m Model, arena: &'m Arena<Model>, tolerance: f64) -> Self {
         let n = scene.contacts.len();
         Self {
             scene,
@@ -74,6 +81,8 @@ impl<'m> Contacts<'m> {
             models: vec![(start.modes(), start)],
             slides: vec![[0.0; SLIDE]; n],
             impacts: vec![0; n],
+            largest: vec![[0.0; 2]; n],
+            shift: (0.1 * tolerance).max(1e-13),
             soon: None,
         }
     }
@@ -98,9 +107,10 @@ impl<'m> Contacts<'m> {
         }
     }
 
-    /// Whether a contact slides from now on in a direction, from nothing.
+    /// A contact slides from now on in a direction, from nothing: a speed of the size of the tolerance is added to its slip,
+    /// so that friction has a direction from the first moment on.
     fn begin_slide(&mut self, k: usize, direction: [f64; 3], fastest: f64) {
-        let shift = 1e-13 * fastest.max(1.0);
+        let shift = self.shift * fastest.max(1.0);
         for i in 0..3 {
             self.slides[k][i] = direction[i];
             self.slides[k][3 + i] = shift * direction[i];
@@ -200,6 +210,30 @@ impl<'m> TimeLoop<'m> {
         }
         let inputs = self.work.model_inputs(self.model, t, &self.y);
         self.settle(t, modes, inputs, observer)
+    }
+
+    /// A limit that lies behind the state although no event was seen: it was there when the mode began.
+    pub(crate) fn overlooked_limit(&mut self, t: f64) -> Result<Option<(usize, Limit)>, SolveError> {
+        if self.contacts.scene.contacts.is_empty() {
+            return Ok(None);
+        }
+        let mut values = vec![0.0; self.work.system.watches.len()];
+        let failed = SolveError::EvaluationFailed { function: headland_solve::Function::Events, t };
+        self.work.problem.events(t, &self.y, &mut values).map_err(|_| failed)?;
+        for (watch, value) in self.work.system.watches.iter().zip(values) {
+            let Watch::Contact(k, limit) = *watch else { continue };
+            let largest = match limit {
+                Limit::Gap => &mut 1.0,
+                Limit::Normal => &mut self.contacts.largest[k][0],
+                Limit::Cone => &mut self.contacts.largest[k][1],
+                Limit::Slip => continue,
+            };
+            *largest = largest.max(value);
+            if value < -OVERLOOKED * *largest {
+                return Ok(Some((k, limit)));
+            }
+        }
+        Ok(None)
     }
 
     /// A contact hits its surface.
@@ -302,6 +336,7 @@ impl<'m> TimeLoop<'m> {
             self.model = form.model;
             self.equations = form.equations;
             if changed {
+                self.explicit_again();
                 self.use_system(form.system)?;
             }
             self.contacts.aim(&mut self.work.problem);
@@ -342,7 +377,9 @@ impl<'m> TimeLoop<'m> {
                 let ahead = unit(state.across(state.slip_rate));
                 let direction = [slide[0], slide[1], slide[2]];
                 let turned = length([0, 1, 2].map(|i| ahead[i] - direction[i]));
-                if !begins || ahead == [0.0; 3] || turned < 1e-9 || dot(ahead, direction) <= 0.0 {
+                // where friction does not drop, it goes on as it was, and there is no acceleration yet
+                let drops = state.kinetic < (1.0 - 1e-9) * state.limit;
+                if !begins || !drops || ahead == [0.0; 3] || turned < 1e-9 || dot(ahead, direction) <= 0.0 {
                     return None;
                 }
                 self.contacts.begin_slide(k, ahead, fastest);

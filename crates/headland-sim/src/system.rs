@@ -91,6 +91,7 @@ pub struct System {
     pub growth: Compiled,
     /// What is known of each contact, in the order of [`crate::contact::nodes_of`], then the lower triangle of M.
     contacts: Vec<NodeId>,
+    contact_function: OnceCell<TapeFunction>,
     /// What each contact does.
     pub modes: Vec<Mode>,
     /// Slip velocities of contacts that slide, then the matrix of their normal forces.
@@ -207,6 +208,7 @@ impl System {
             redundant,
             growth: compile(&growth),
             contacts: if contacts.is_empty() { contacts } else { [contacts, copy.nodes(&equations.mass)].concat() },
+            contact_function: OnceCell::new(),
             modes: model.modes(),
             slides: compile(&slides),
             slides_from: 1 + nq + 2 * nu,
@@ -324,8 +326,8 @@ impl System {
     }
 
     /// The function of all contacts, compiled; for what happens at events.
-    pub(crate) fn contact_function(&self) -> TapeFunction {
-        TapeFunction::compile(&self.graph, &self.contacts)
+    pub(crate) fn contact_function(&self) -> &TapeFunction {
+        self.contact_function.get_or_init(|| TapeFunction::compile(&self.graph, &self.contacts))
     }
 }
 

@@ -99,7 +99,7 @@ impl<'m> TimeLoop<'m> {
             passage: Passage::default(),
             passages: 0,
             known: vec![Form { model, equations: equations.clone(), system: system.clone() }],
-            contacts: Contacts::new(scene, model, arena),
+            contacts: Contacts::new(scene, model, arena, options.tolerance),
             equations: equations.clone(),
             growth_limit: if model.run.independent.is_some() { 10.0 * GROWTH } else { GROWTH },
             why: why.into(),
@@ -215,6 +215,9 @@ impl<'m> TimeLoop<'m> {
                 watch => self.on_event(watch, t, rising, observer),
             }
         }
+        if let Some((k, limit)) = self.overlooked_limit(t)? {
+            return self.on_limit(t, k, limit, observer);
+        }
         if self.ending.status != Status::Done || t >= self.options.until {
             return Ok(());
         }
@@ -280,6 +283,13 @@ impl<'m> TimeLoop<'m> {
         self.tell(t, "the motion looks stiff: going on with cvode-bdf", observer);
         self.use_system(self.work.system.clone())?;
         Ok(true)
+    }
+
+    /// `auto` tries the explicit method again: what was stiff in one mode of the contacts need not be in the next.
+    pub(crate) fn explicit_again(&mut self) {
+        if self.options.method == "auto" {
+            self.method = Method::Dop853;
+        }
     }
 
     /// Looks for better independent rates when the entries of G have grown.
