@@ -51,7 +51,8 @@ pub(crate) fn limits(model: &Model, graph: &Graph, nodes: &[NodeId], slides_from
             }
             _ if !friction.viscous => {
                 let input = |i: usize| graph.expr(graph.input_id(direction + i));
-                let along = |sum, i: usize| sum + (at(6 + i) + input(3 + i)) * input(i);
+                let off = (0..3).fold(Expr::Const(0.0), |sum, i| sum + at(3 + i) * input(3 + i));
+                let along = |sum, i: usize| sum + (at(6 + i) + input(3 + i) - off * at(3 + i)) * input(i);
                 watch(Limit::Slip, (0..3).fold(Expr::Const(0.0), along));
             }
             _ => {}

@@ -445,6 +445,16 @@ impl<'m> TimeLoop<'m> {
         }
     }
 
+    /// Whether a contact slides so slowly that friction turns with the least of errors: that looks stiff, but an implicit
+    /// method, which lets errors of a tolerance be, loses the direction of the slip.
+    pub(crate) fn begins_to_slide(&mut self, t: f64) -> bool {
+        let small = 1e-3 * self.fastest();
+        let dry = |k: usize| self.contacts.scene.contacts[k].friction.as_ref().is_some_and(|f| !f.viscous);
+        let modes = &self.work.system.modes;
+        let slides: Vec<bool> = (0..modes.len()).filter(|&k| modes[k] == Mode::Sliding).map(dry).collect();
+        !slides.is_empty() && self.work.slips(t, &self.y).iter().zip(slides).any(|(s, dry)| dry && length(*s) < small)
+    }
+
     fn fastest(&self) -> f64 {
         let system = &self.work.system;
         self.y[system.nq..].iter().fold(0.0_f64, |a, u| a.max(u.abs()))

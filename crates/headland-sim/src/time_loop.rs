@@ -273,7 +273,7 @@ impl<'m> TimeLoop<'m> {
     /// `auto` goes over to BDF when the explicit method's steps stay at the bound of stability.
     fn leave_explicit(&mut self, t: f64, observer: &mut dyn Observer) -> Result<bool, SolveError> {
         let auto = self.options.method == "auto" && self.method == Method::Dop853;
-        if !auto || !self.integrator.looks_stiff() || !Method::CvodeBdf.is_built() {
+        if !auto || !self.integrator.looks_stiff() || !Method::CvodeBdf.is_built() || self.begins_to_slide(t) {
             return Ok(false);
         }
         self.method = Method::CvodeBdf;

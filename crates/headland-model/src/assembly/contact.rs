@@ -60,7 +60,7 @@ impl<'g> Builder<'_, 'g> {
         let placeholder = self.low.dependence.input(graph, &format!("{name}.slip"), Kinds::QUASI);
         let shown = self.low.totals.len();
         self.publish(format!("{name}.slip"), graph.expr(placeholder), speed);
-        let friction = self.friction(name, slip, placeholder, element, binding)?;
+        let friction = self.friction(name, slip, touch.normal, placeholder, element, binding)?;
         self.low.totals[shown].1.expr = tangential.norm();
         let restitution = self.coefficient(element, "restitution", binding)?.unwrap_or(number(0.0));
         if self.evaluate(restitution).is_some_and(|e| !(0.0..=1.0).contains(&e)) {
@@ -150,6 +150,7 @@ impl<'g> Builder<'_, 'g> {
         &mut self,
         name: &str,
         slip: Vector<Expr<'g>>,
+        normal: Vector<Expr<'g>>,
         placeholder: NodeId,
         element: &SceneElement,
         binding: &Binding,
@@ -170,7 +171,8 @@ impl<'g> Builder<'_, 'g> {
         let direction = ["x", "y", "z"].map(|i| input(format!("direction {i}")));
         let shift = ["x", "y", "z"].map(|i| input(format!("shift {i}")));
         let (d, n) = (Vector(direction.map(|e| graph.expr(e))), graph.expr(normal_force));
-        let s = slip + Vector(shift.map(|e| graph.expr(e)));
+        let shift_vector = Vector(shift.map(|e| graph.expr(e)));
+        let s = slip + shift_vector - normal * normal.dot(shift_vector);
         let mut by_slip = number(0.0);
         if let Some(mu) = coefficient {
             // beyond the end of a slide the force goes on smoothly: it has the sign of the way it slid
