@@ -102,6 +102,13 @@ pub fn derive_at(model: &Model, inputs: &[f64], options: &DeriveOptions) -> Resu
     let tells_reactions = model.derived.iter().any(|d| matches!(d.what, Derived::Reaction(_)));
     let compared = options.compare && n <= MOST_VELOCITIES;
     let structures = form_structures(model, &kinematics, recursive.is_none() || tells_reactions || compared)?;
+    let ids = |es: &[Expr<'_>]| -> Vec<NodeId> { es.iter().map(|e| graph.id(*e)).collect() };
+    check_fields(model, "the rates", &[&kinematics.velocities, &kinematics.drift, &kinematics.rates])?;
+    check_fields(
+        model,
+        "the forces and inertias",
+        &[ids(&structures.bias), ids(&structures.force), ids(&structures.inertia)],
+    )?;
     check_scalar_inertia(model, &kinematics, &structures)?;
     let tau = tree.map(|_| joint_forces(model, &kinematics, &structures));
     let chosen = match recursive {
@@ -133,7 +140,7 @@ pub fn derive_at(model: &Model, inputs: &[f64], options: &DeriveOptions) -> Resu
         (Some(a), Some(b)) => Some(if graph.operations(&a) < graph.operations(&b) { a } else { b }),
         (a, b) => a.or(b),
     };
-    let ids = |es: &[Expr<'_>]| -> Vec<NodeId> { es.iter().map(|e| graph.id(*e)).collect() };
+    check_fields(model, "the equations of motion", &[&ids(&chosen.form.m), &ids(&chosen.form.f)])?;
     let g = by_quasi_velocities(model, &kinematics.quasi, &kinematics.velocities);
     let energies = form_energies(model, &kinematics, &structures);
     Ok(Equations {
@@ -152,6 +159,12 @@ pub fn derive_at(model: &Model, inputs: &[f64], options: &DeriveOptions) -> Resu
         difference: chosen.difference,
         kinematics,
     })
+}
+
+/// Refuses derivatives that fields do not have, before they are met as NaN.
+fn check_fields(model: &Model, what: &'static str, nodes: &[impl AsRef<[NodeId]>]) -> Result<(), DeriveError> {
+    let missing = nodes.iter().find_map(|nodes| model.graph.beyond_fields(nodes.as_ref()));
+    missing.map_or(Ok(()), |field| Err(DeriveError::BeyondField { what, field: field.name().into() }))
 }
 
 /// The coordinates whose rates would be eliminated at the given inputs of the graph, in the order of elimination.
