@@ -2,4 +2,4 @@
 
 pub mod shape;
 
-pub use shape::{Shape, Side};
+pub use shape::{Shape, ShapeError, Side};
