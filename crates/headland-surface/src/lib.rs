@@ -1,5 +1,11 @@
 //! Surfaces that bodies touch.
 
+mod implicit;
+
+pub mod ellipsoid;
+pub mod revolution;
 pub mod shape;
 
+pub use ellipsoid::Ellipsoid;
+pub use revolution::{Profile, Revolution, RevolutionError};
 pub use shape::{Shape, ShapeError, Side};
