@@ -351,3 +351,29 @@ impl Equations {
         )
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use headland_expr::{Field, Scalar, Wave, field_part};
+    use headland_model::Scene;
+
+    use super::*;
+
+    #[test]
+    fn derivatives_that_a_field_does_not_have_are_refused() {
+        let mut scene = Scene::new("particle");
+        scene.entry("coordinates", "x", "m").entry("initial", "x", 0.0).entry("initial", "x'", 0.0);
+        scene.element("inertia", &[("name", "m"), ("value", "2 kg"), ("geometric", "x")]);
+        let model = scene.build().expect("a right scene");
+        let graph = &model.graph;
+        let field: Arc<dyn Field> = Arc::new(Wave { name: "road".into(), rate: [1.0; 3], phase: [0.0; 3] });
+        let x = graph.expr(model.coordinates[0].q);
+        let third = graph.id(Expr::field([x, x, x], &field, field_part(1, 1, 1)).sin());
+        assert!(check_fields(&model, "the rates", &[[third]]).is_ok());
+        let fourth = graph.id(graph.gradient(third, &[model.coordinates[0].q])[0]);
+        let error = check_fields(&model, "the rates", &[vec![third], vec![fourth]]).expect_err("of fourth order");
+        assert!(matches!(&error, DeriveError::BeyondField { what: "the rates", field } if field == "road"), "{error}");
+    }
+}

@@ -162,6 +162,16 @@ impl Grid {
         Ok(Self { name: name.into(), origin, spacing, coefficients: Arc::new(table), pyramid })
     }
 
+    /// The same ground in other units: `z` times `by[2]` at `x` times `by[0]`, `y` times `by[1]`; factors positive for x and y.
+    pub fn scaled(&self, by: [f64; 3]) -> Self {
+        let mut table = (*self.coefficients).clone();
+        table.values.iter_mut().for_each(|c| *c *= by[2]);
+        let spacing = [0, 1].map(|i| self.spacing[i] * by[i]);
+        let pyramid = Arc::new(Pyramid::new(&table, spacing));
+        let origin = [0, 1].map(|i| self.origin[i] * by[i]);
+        Self { name: self.name.clone(), origin, spacing, coefficients: Arc::new(table), pyramid }
+    }
+
     /// The rectangle of the points, m: `[x₀, x₁], [y₀, y₁]`.
     pub fn extent(&self) -> [[f64; 2]; 2] {
         let points = [self.coefficients.columns - 4, self.coefficients.rows - 4];
@@ -257,6 +267,10 @@ fn derivative(powers: &[f64; 6], t: f64, m: usize) -> f64 {
 impl Field for Grid {
     fn name(&self) -> &str {
         &self.name
+    }
+
+    fn variables(&self) -> usize {
+        2
     }
 
     fn eval(&self, point: [f64; 3], order: usize, out: &mut [f64]) {
