@@ -106,6 +106,13 @@ pub fn derive_at(model: &Model, inputs: &[f64], options: &DeriveOptions) -> Resu
     let tells_reactions = model.derived.iter().any(|d| matches!(d.what, Derived::Reaction(_) | Derived::Contact(..)));
     let compared = options.compare && n <= MOST_VELOCITIES;
     let structures = form_structures(model, &kinematics, recursive.is_none() || tells_reactions || compared)?;
+    let ids = |es: &[Expr<'_>]| -> Vec<NodeId> { es.iter().map(|e| graph.id(*e)).collect() };
+    check_fields(model, "the rates", &[&kinematics.velocities, &kinematics.drift, &kinematics.rates])?;
+    check_fields(
+        model,
+        "the forces and inertias",
+        &[ids(&structures.bias), ids(&structures.force), ids(&structures.inertia)],
+    )?;
     check_scalar_inertia(model, &kinematics, &structures)?;
     let tau = tree.map(|_| joint_forces(model, &kinematics, &structures));
     let chosen = match recursive {
@@ -137,7 +144,7 @@ pub fn derive_at(model: &Model, inputs: &[f64], options: &DeriveOptions) -> Resu
         (Some(a), Some(b)) => Some(if graph.operations(&a) < graph.operations(&b) { a } else { b }),
         (a, b) => a.or(b),
     };
-    let ids = |es: &[Expr<'_>]| -> Vec<NodeId> { es.iter().map(|e| graph.id(*e)).collect() };
+    check_fields(model, "the equations of motion", &[&ids(&chosen.form.m), &ids(&chosen.form.f)])?;
     let g = by_quasi_velocities(model, &kinematics.quasi, &kinematics.velocities);
     let energies = form_energies(model, &kinematics, &structures);
     let mut equations = Equations {
@@ -159,6 +166,12 @@ pub fn derive_at(model: &Model, inputs: &[f64], options: &DeriveOptions) -> Resu
     };
     close_friction(model, &mut equations);
     Ok(equations)
+}
+
+/// Refuses derivatives that fields do not have, before they are met as NaN.
+fn check_fields(model: &Model, what: &'static str, nodes: &[impl AsRef<[NodeId]>]) -> Result<(), DeriveError> {
+    let missing = nodes.iter().find_map(|nodes| model.graph.beyond_fields(nodes.as_ref()));
+    missing.map_or(Ok(()), |field| Err(DeriveError::BeyondField { what, field: field.name().into() }))
 }
 
 /// The coordinates whose rates would be eliminated at the given inputs of the graph, in the order of elimination.
@@ -343,5 +356,31 @@ impl Equations {
             self.kinematics.constraints,
             p
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use headland_expr::{Field, Scalar, Wave, field_part};
+    use headland_model::Scene;
+
+    use super::*;
+
+    #[test]
+    fn derivatives_that_a_field_does_not_have_are_refused() {
+        let mut scene = Scene::new("particle");
+        scene.entry("coordinates", "x", "m").entry("initial", "x", 0.0).entry("initial", "x'", 0.0);
+        scene.element("inertia", &[("name", "m"), ("value", "2 kg"), ("geometric", "x")]);
+        let model = scene.build().expect("a right scene");
+        let graph = &model.graph;
+        let field: Arc<dyn Field> = Arc::new(Wave { name: "road".into(), rate: [1.0; 3], phase: [0.0; 3] });
+        let x = graph.expr(model.coordinates[0].q);
+        let third = graph.id(Expr::field([x, x, x], &field, field_part(1, 1, 1)).sin());
+        assert!(check_fields(&model, "the rates", &[[third]]).is_ok());
+        let fourth = graph.id(graph.gradient(third, &[model.coordinates[0].q])[0]);
+        let error = check_fields(&model, "the rates", &[vec![third], vec![fourth]]).expect_err("of fourth order");
+        assert!(matches!(&error, DeriveError::BeyondField { what: "the rates", field } if field == "road"), "{error}");
     }
 }

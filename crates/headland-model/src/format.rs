@@ -138,7 +138,7 @@ pub const SECTIONS: &[Section] = &[
     names(
         "tables",
         Kind::Points,
-        "functions by points, `mu = { x = [..], y = [..], x_unit = \"m\", y_unit = \"1\" }`, used as `mu(x)`: natural cubic spline",
+        "functions by points, `mu = { x = [..], y = [..], x_unit = \"m\", y_unit = \"1\" }`, used as `mu(x)`: natural cubic spline; with `z = [[..], ..]` or a `file` of lines `x, y, z` of two variables, used as `ground(x, y)`",
     ),
     names("coordinates", Kind::Unit, "generalised coordinates q and their units: `\"theta[k]\" = \"rad\"`"),
     names(
@@ -542,10 +542,13 @@ fn kind_schema(kind: Kind) -> Value {
             "properties": {
                 "x": { "type": "array", "items": { "type": "number" } },
                 "y": { "type": "array", "items": { "type": "number" } },
+                "z": { "type": "array", "items": { "type": "array", "items": { "type": "number" } } },
                 "x_unit": { "type": "string" },
                 "y_unit": { "type": "string" },
+                "z_unit": { "type": "string" },
+                "file": { "type": "string" },
             },
-            "required": ["x", "y"],
+            "anyOf": [{ "required": ["x", "y"] }, { "required": ["file"] }],
             "additionalProperties": false,
         }),
     }

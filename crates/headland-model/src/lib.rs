@@ -56,6 +56,7 @@ pub mod read;
 pub mod scene;
 mod start;
 pub mod symbols;
+mod tables;
 pub mod tree;
 pub mod units;
 

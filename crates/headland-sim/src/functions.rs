@@ -25,7 +25,8 @@ pub enum StateFunction {
     Force,
     /// `u′ = M⁻¹ F`: nu.
     Accelerations,
-    /// `∂[q′, u′]/∂[q, u]`, exact: n × n with `n = nq + nu`.
+    /// `∂[q′, u′]/∂[q, u]`, exact: n × n with `n = nq + nu`. NaN where it needs a derivative that a surface or table of two
+    /// variables does not have ([`Jacobian::is_known`]).
     Jacobian,
 }
 

@@ -524,7 +524,8 @@ impl OdeProblem for Problem {
     fn pattern(&self) -> Option<&Pattern> {
         // the symbolic Jacobian of a long recursion costs more than differences
         let wanted = self.exact_jacobian && (self.system.loops.is_none() || self.system.nu <= 16);
-        wanted.then(|| &self.system.jacobian().1)
+        let known = || Some(self.system.jacobian()).filter(|(jacobian, _)| jacobian.is_known());
+        wanted.then(known).flatten().map(|(_, pattern)| pattern)
     }
 
     fn jacobian(&mut self, t: f64, y: &[f64], values: &mut [f64]) -> Result<(), EvalFailure> {
