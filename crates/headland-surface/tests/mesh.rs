@@ -10,7 +10,7 @@ use headland_spatial::Vector;
 use headland_surface::mesh::{
     HANDFUL, Scene, Soup, icosphere, raw_heights, read_obj, read_stl, recess_query, uv_sphere,
 };
-use headland_surface::{ContactError, Mesh, MeshError, MeshOptions, Shape, Side, Surface};
+use headland_surface::{ContactError, Grid, Height, Mesh, MeshError, MeshOptions, Shape, Side, Surface};
 
 fn length(a: [f64; 3]) -> f64 {
     a.iter().map(|x| x * x).sum::<f64>().sqrt()
@@ -179,6 +179,30 @@ fn raw_heights_are_as_they_are() {
         let plane = (c[2] - 1.2 - 0.1 * c[0] - 0.2 * c[1]) / w;
         assert!((mesh.query(c).unwrap().distance - plane).abs() < 1e-14);
     }
+}
+
+/// Raw heights against the smooth ground that they were taken from.
+#[test]
+fn raw_heights_come_nearer_with_their_density() {
+    let f = |x: f64, y: f64| 0.1 * (2.0 * x).sin() * (1.5 * y).cos();
+    let errors = |n: usize| {
+        let h = 4.0 / n as f64;
+        let at = |i: usize| -2.0 + h * i as f64;
+        let heights: Vec<Vec<f64>> = (0..=n).map(|j| (0..=n).map(|i| f(at(i), at(j))).collect()).collect();
+        let mesh = Mesh::new("raw", &raw_heights([-2.0; 2], [h; 2], &heights), open()).unwrap();
+        let grid = Grid::new("smooth", [-2.0; 2], [h; 2], &heights).unwrap();
+        let ground = Surface::Field(Arc::new(Height::new(Arc::new(grid))));
+        let mut worst = [0.0f64; 2];
+        for c in points(2000, [1.2, 1.2, 0.1]).map(|[x, y, z]| [x, y, z + 0.4]) {
+            let (a, b) = (mesh.query(c).unwrap(), ground.query(c).unwrap());
+            worst[0] = worst[0].max((a.distance - b.distance).abs());
+            worst[1] = worst[1].max(length(minus(a.normal, b.normal)));
+        }
+        worst
+    };
+    let (coarse, fine) = (errors(40), errors(80));
+    let orders = [0, 1].map(|k| (coarse[k] / fine[k]).log2());
+    assert!((orders[0] - 2.0).abs() < 0.2 && (orders[1] - 1.0).abs() < 0.2, "{orders:?}");
 }
 
 #[test]
