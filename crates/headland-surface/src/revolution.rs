@@ -153,7 +153,7 @@ impl Revolution {
     /// [`RevolutionError::Edge`] where it is an end of the range.
     fn nearest(&self, at: f64, up: f64) -> Result<f64, RevolutionError> {
         let squared = |s: f64| (s - at).powi(2) + ((self.profile)(s)[0] - up).powi(2);
-        let samples: Vec<f64> = (0..=SAMPLES).map(|i| squared(self.sample(i))).collect();
+        let samples: [f64; SAMPLES + 1] = std::array::from_fn(|i| squared(self.sample(i)));
         let on_axis = |i: usize| i == 0 && self.crosses_axis();
         let mut best = (f64::INFINITY, self.range[0]);
         for i in 0..=SAMPLES {

@@ -110,6 +110,23 @@ fn the_nearest_point_is_global() {
     }
 }
 
+/// On the ground to rounding, and far from the origin.
+#[test]
+fn on_the_ground_it_answers_too() {
+    let ground = waves(0.1, 2.0, 1.5);
+    for [x, y, _] in points(100, [3.0, 3.0, 0.0]).chain(points(50, [3e4, 3e4, 0.0])) {
+        let f = 0.1 * (2.0 * x).sin() * (1.5 * y).cos();
+        let far = x.abs().max(1.0);
+        for d in [0.0, 1e-300, 1e-17, 1e-15, 1e-12, 1e-6, -1e-14, -1e-3] {
+            let at = eval(&ground, [x, y, f + d]);
+            let slope = (0.2 * (2.0 * x).cos() * (1.5 * y).cos()).hypot(0.15 * (2.0 * x).sin() * (1.5 * y).sin());
+            let n = 1.0 / (1.0 + slope * slope).sqrt();
+            assert!((at[0] - d * n).abs() < 1e-15 * far + 0.4 * d * d, "{x} {y} {d}: {}", at[0]);
+            assert!((at[3] - n).abs() < 1e-13 * far + d.abs(), "{x} {y} {d}: {} {n}", at[3]);
+        }
+    }
+}
+
 #[test]
 fn from_very_far_it_still_answers() {
     let ground = waves(0.1, 2.0, 1.5);

@@ -55,6 +55,8 @@ fn descend(ground: &dyn Ground, c: [f64; 3], start: [f64; 2]) -> Option<Foot> {
         ground.eval([x, y, 0.0], 0, &mut f);
         (x - c[0]).powi(2) + (y - c[1]).powi(2) + (f[0] - c[2]).powi(2)
     };
+    // what a place is known to
+    let rounding = f64::EPSILON * c.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
     let mut last_step = f64::INFINITY;
     for _ in 0..100 {
         ground.eval([here[0], here[1], 0.0], 2, &mut f);
@@ -73,8 +75,8 @@ fn descend(ground: &dyn Ground, c: [f64; 3], start: [f64; 2]) -> Option<Foot> {
         if !length.is_finite() {
             return None;
         }
-        let small = length < 1e-7 * distance;
-        if length <= 1e-16 * distance || (small && length >= 0.5 * last_step) {
+        let small = length < 1e-7 * distance + 100.0 * rounding;
+        if length <= 1e-16 * distance + 0.1 * rounding || (small && length >= 0.5 * last_step) {
             return Some(Foot { point: [here[0], here[1], f[0]], distance });
         }
         let mut next = [here[0] + step[0], here[1] + step[1]];
