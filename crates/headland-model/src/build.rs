@@ -145,6 +145,7 @@ impl<'s, 'g> Builder<'s, 'g> {
         }
         self.no_name_twice("force");
         self.publish_derived();
+        self.publish_residuals();
         self.initial();
         self.scales();
         self.prescribed();

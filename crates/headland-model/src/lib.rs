@@ -52,6 +52,7 @@ mod names;
 pub mod place;
 mod present;
 pub mod read;
+mod residuals;
 pub mod scene;
 mod start;
 pub mod symbols;

@@ -69,8 +69,8 @@ pub struct Lowering<'g> {
     pub made: Vec<Made>,
     /// What the equations can tell, by name, with its dimension; known when outputs are made.
     pub(crate) derived_names: FxHashMap<String, (Derived, Dimension)>,
-    /// Sums over all bodies, by name.
-    pub(crate) totals: Vec<(String, Typed<'g>)>,
+    /// Sums over all bodies and, when outputs are made, residuals of constraints, by name.
+    pub(crate) totals: FxHashMap<String, Typed<'g>>,
     /// Those that were used.
     pub(crate) derived: Vec<DerivedQuantity>,
     /// Motions of the frames, once they are known.
@@ -122,7 +122,7 @@ impl<'g> Lowering<'g> {
             frames: Vec::new(),
             derived_names: FxHashMap::default(),
             derived: Vec::new(),
-            totals: Vec::new(),
+            totals: FxHashMap::default(),
         }
     }
 

@@ -84,13 +84,16 @@ pub struct KinematicRow {
     pub may_be_redundant: bool,
     /// Name and dimension of the force with which it is enforced.
     pub force: Option<(String, Dimension)>,
+    /// Dimension of what must be zero, of the velocities.
+    pub dimension: Dimension,
 }
 
 impl KinematicRow {
-    /// A row of form (2), or a velocity constraint.
+    /// A row of form (2), or a velocity constraint, in m/s.
     pub fn new(name: impl Into<String>, place: &Place, form: RowForm) -> Self {
         let (name, place) = (name.into(), place.clone());
-        Self { name, place, form, position: None, rate: None, may_be_redundant: false, force: None }
+        let dimension = Dimension::of(0, 1, -1);
+        Self { name, place, form, position: None, rate: None, may_be_redundant: false, force: None, dimension }
     }
 }
 
