@@ -29,6 +29,8 @@ pub mod loops;
 pub mod options;
 mod passage;
 pub mod project;
+#[cfg(feature = "ida")]
+mod rates;
 mod record;
 pub mod report;
 pub mod run;

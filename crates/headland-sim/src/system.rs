@@ -74,7 +74,7 @@ pub struct System {
     pub redundant: Vec<usize>,
     /// Scaled entries of G of the dependent rates: the growth of the partition.
     pub growth: Compiled,
-    events: Compiled,
+    pub(crate) events: Compiled,
     /// What each event function watches.
     pub watches: Vec<Watch>,
     /// Multipliers that stand as inputs behind u′: none with elimination.
@@ -428,6 +428,8 @@ impl Problem {
     pub fn full_inputs(&mut self, t: f64, y: &[f64]) -> &[f64] {
         if y.len() > self.system.len() {
             self.load(t, y);
+            #[cfg(feature = "ida")]
+            self.settle_rates();
             return &self.x;
         }
         let mut dy = std::mem::take(&mut self.dy);
