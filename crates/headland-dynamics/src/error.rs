@@ -96,9 +96,12 @@ pub enum DeriveError {
         candidates: String,
     },
     /// Constraints on positions that no position near the start fulfils.
-    #[error("the start cannot be assembled; left of the constraints after moving every coordinate: {rows}")]
+    #[error(
+        "the start cannot be assembled. Constraints that cannot hold together near it, with what is left of each where all \
+         are nearest to it: {rows}"
+    )]
     CannotAssemble {
-        /// The constraints that are furthest from fulfilled, with what is left.
+        /// The constraints that conflict, one set after the other, with what is left of them.
         rows: String,
     },
     /// Initial rates that contradict the constraints.

@@ -178,3 +178,29 @@ fn a_pendulum_pulls_at_its_hinge() {
         }
     }
 }
+
+/// Constraints in conflict are named together, and only those; what can be fulfilled beside them is not.
+#[test]
+fn conflicting_constraints_are_named_in_sets() {
+    let point = |name: &str| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmass = 1\n[[joint]]\nname = \"of_{name}\"\nkind = \"planar\"\nto = \"{name}\"\n"
+        )
+    };
+    let constraint =
+        |name: &str, equation: &str| format!("[[constraint]]\nname = \"{name}\"\nequation = \"{equation}\"\n");
+    let scene = point("a").replace("mass = 1", "mass = 1\ninertia = [1, 1, 1]")
+        + &point("b").replace("mass = 1", "mass = 1\ninertia = [1, 1, 1]")
+        + &constraint("rod", "hypot(of_a.x, of_a.y) = 2[m]")
+        + &constraint("wire", "of_a.y = -3[m]")
+        + &constraint("turn", "of_a.angle = 0.5")
+        + &constraint("low", "of_b.x - 2*of_b.y = 1[m]")
+        + &constraint("high", "2*of_b.x - 4*of_b.y = 5[m]")
+        + &constraint("free", "of_b.angle = 0.2");
+    let start = "[initial]\n\"of_a.x\" = 1\n\"of_a.y\" = -1\n";
+    let message = told(&(scene + start)).unwrap_or_default();
+    // the least squares lie in the middle of 2 m and 3 m; and of 1 m and 5/2 m, rows of equal length
+    assert!(message.contains("`rod` by 0.500 with `wire` by 0.500"), "{message}");
+    assert!(message.contains("`low` by 0.750 with `high` by 1.500"), "{message}");
+    assert!(!message.contains("turn") && !message.contains("free") && message.contains("; "), "{message}");
+}
