@@ -83,6 +83,14 @@ pub enum DeriveError {
         /// Its value.
         value: f64,
     },
+    /// The start is where the equations are not defined.
+    #[error("{message}")]
+    Undefined {
+        /// What is wrong, and what helps.
+        message: String,
+        /// Where the scene says so.
+        place: Place,
+    },
     /// Too few initial rates for the quasi-velocities.
     #[error(
         "too few initial values: the initial rates given ({given}) do not determine {missing}; give one of {candidates}"
@@ -149,6 +157,7 @@ impl DeriveError {
         };
         match self {
             Self::ScalarInertia { name, .. } => element(name),
+            Self::Undefined { place, .. } => Some(place.clone()),
             Self::SingularConstraint { name, .. } => row(name),
             Self::CannotAssemble { rows } => row(rows.split('`').nth(1)?),
             Self::SingularMass { name, .. } | Self::InconsistentStart { name, .. } => state(name),

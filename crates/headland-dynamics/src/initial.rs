@@ -187,6 +187,7 @@ fn damped_solution(a: DMatrix<f64>, b: &DVector<f64>, limit: f64, damping: f64) 
 /// Rates that do not determine the motion, or that contradict the constraints or each other.
 pub fn initial_velocities(model: &Model, kinematics: &Kinematics) -> Result<Vec<f64>, DeriveError> {
     let inputs = &assemble(model)?.0;
+    check_defined(model, inputs)?;
     let (g, drift) = kinematic_matrices(model, kinematics, inputs);
     let mut u: Vec<f64> = kinematics.quasi.iter().map(|u| inputs[model.input_index(u.u)]).collect();
     let free: Vec<usize> = (0..u.len()).filter(|&k| kinematics.quasi[k].chosen).collect();
@@ -225,6 +226,14 @@ pub fn initial_velocities(model: &Model, kinematics: &Kinematics) -> Result<Vec<
         }
     }
     Ok(u)
+}
+
+/// Refuses a state at which the equations are not defined.
+pub(crate) fn check_defined(model: &Model, inputs: &[f64]) -> Result<(), DeriveError> {
+    match model.hazard(inputs) {
+        None => Ok(()),
+        Some(h) => Err(DeriveError::Undefined { message: h.message.clone(), place: h.place.clone() }),
+    }
 }
 
 /// Velocities that the start gives: rates of coordinates and velocities of joints.

@@ -7,8 +7,8 @@ use crate::assembly::Assembly;
 use crate::depend::Kinds;
 use crate::lower::{Lowering, Reported, Typed};
 use crate::model::{
-    Body, Coordinate, DerivedQuantity, Element, ElementKind, Event, Guard, KinematicRow, LinearSolver, Load, Model,
-    Parameter, Plot, Quantity, QuasiVelocity, RunSettings,
+    Body, Coordinate, DerivedQuantity, Element, ElementKind, Event, Guard, Hazard, KinematicRow, LinearSolver, Load,
+    Model, Parameter, Plot, Quantity, QuasiVelocity, RunSettings,
 };
 use crate::place::{Diagnostic, ModelError, Place};
 use crate::scene::{Data, Scene, Value};
@@ -63,6 +63,7 @@ pub(crate) struct Parts {
     pub(crate) definitions: Vec<Quantity>,
     pub(crate) outputs: Vec<Quantity>,
     pub(crate) guards: Vec<Guard>,
+    pub(crate) hazards: Vec<Hazard>,
     pub(crate) events: Vec<Event>,
     pub(crate) plots: Vec<Plot>,
     pub(crate) run: Option<RunSettings>,
@@ -95,6 +96,7 @@ impl Parts {
             definitions: self.definitions,
             outputs: self.outputs,
             guards: self.guards,
+            hazards: self.hazards,
             events: self.events,
             plots: self.plots,
             run,
@@ -157,6 +159,7 @@ impl<'s, 'g> Builder<'s, 'g> {
         }
         self.run_settings();
         self.array_lengths();
+        self.unused_prescribed();
         self.warn();
         self.finish_reactions();
         self.parts.tree = self.joint_tree();
@@ -257,6 +260,26 @@ impl<'s, 'g> Builder<'s, 'g> {
                     }
                 }
             }
+        }
+    }
+
+    /// A name under `[prescribed]` that is no coordinate is a function of time; one that nothing uses is a mistyped name.
+    fn unused_prescribed(&mut self) {
+        for entry in self.scene.section("prescribed") {
+            let Ok(key) = parse_key(&entry.key) else { continue };
+            if key.name.contains('.') || self.low.declared.contains_key(&key.name) || self.low.used.contains(&key.name)
+            {
+                continue;
+            }
+            let symbols = self.low.symbols.by_name.iter();
+            let coordinates = symbols.filter(|(_, s)| matches!(s, Symbol::Coordinate(..))).map(|(name, _)| &**name);
+            let joints = self.low.coordinates.iter().map(|c| c.name.as_str());
+            let hint = suggestion(&key.name, coordinates.chain(joints));
+            let message = format!(
+                "`{}` is prescribed, but it is no coordinate of [coordinates] or of a joint, and nothing uses it{hint}",
+                entry.key
+            );
+            self.low.report(entry.key_place.clone(), message);
         }
     }
 

@@ -60,7 +60,7 @@ pub mod tree;
 pub mod units;
 
 pub use model::{
-    Body, Coordinate, Derived, DerivedQuantity, Direction, Element, ElementKind, Event, Guard, KinematicRow,
+    Body, Coordinate, Derived, DerivedQuantity, Direction, Element, ElementKind, Event, Guard, Hazard, KinematicRow,
     LinearSolver, Load, Model, Parameter, Plot, Quantity, QuasiVelocity, Reaction, RowForm, RunSettings, StructureForm,
     VectorNodes, VectorStructure,
 };

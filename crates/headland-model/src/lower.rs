@@ -14,7 +14,7 @@ use crate::symbols::{Binding, Formula, Symbol, Symbols};
 use crate::units::parse_unit;
 use headland_expr::parse::{Comparison, Item, Program, parse, suggestion};
 use headland_expr::{Expr, Graph, NodeId, Op, Scalar};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -59,6 +59,8 @@ pub struct Lowering<'g> {
     pub unifier: Unifier,
     /// What is wrong so far.
     pub diagnostics: Vec<Diagnostic>,
+    /// Names of definitions and functions of time that an expression has used.
+    pub used: FxHashSet<String>,
     /// Prescribed coordinates that were declared with a unit.
     pub declared: FxHashMap<String, (Dimension, bool)>,
     pub(crate) instances: FxHashMap<Instance, State<'g>>,
@@ -123,6 +125,7 @@ impl<'g> Lowering<'g> {
             derived_names: FxHashMap::default(),
             derived: Vec::new(),
             totals: FxHashMap::default(),
+            used: FxHashSet::default(),
         }
     }
 

@@ -130,6 +130,7 @@ impl<'g> Lowering<'g> {
                 })
             }
             Symbol::Definition(..) => {
+                self.used.insert(name.into());
                 let Some(State::Done(typed)) = self.instances.get(&(symbol, member)) else { return Err(Reported) };
                 let typed = typed.clone();
                 if primes == 0 {
