@@ -303,11 +303,11 @@ impl<'s, 'g> Builder<'s, 'g> {
     }
 
     pub(crate) fn warn(&mut self) {
-        if self.low.coordinates.is_empty() {
-            let message = if self.scene.section_elements("body").is_empty() && self.parts.prescribed.is_empty() {
+        if self.low.coordinates.is_empty() && self.parts.prescribed.is_empty() {
+            let message = if self.scene.section_elements("body").is_empty() {
                 "the scene has no coordinates: `[coordinates]` with names and units, or `[[body]]`"
             } else {
-                "nothing in the scene can move freely: no coordinate is left beside welds and prescribed motion"
+                "nothing in the scene can move: no coordinate is left beside welds, and no motion is prescribed"
             };
             self.low.report(Place::Program, message);
         }

@@ -415,6 +415,15 @@ impl Problem {
         self.projector.worst(&self.x)
     }
 
+    /// Moves the coordinates of `y` onto the constraints on positions, as far as that succeeds.
+    pub(crate) fn settle_positions(&mut self, t: f64, y: &mut [f64]) {
+        self.load(t, y);
+        let system = self.system.clone();
+        if self.projector.project(&system.positions, &mut self.x) {
+            y[..system.nq].copy_from_slice(&self.x[1..=system.nq]);
+        }
+    }
+
     /// `x` for a compiled function: with u′ only if it reads them.
     pub fn inputs_for(&mut self, function: &Compiled, t: f64, y: &[f64]) -> &[f64] {
         if function.reads_accelerations {
