@@ -10,7 +10,7 @@ use crate::direct::{MassForm, derive_direct};
 use crate::energy::{Energies, form_energies};
 use crate::error::DeriveError;
 use crate::friction::close_friction;
-use crate::initial::assemble;
+use crate::initial::{assemble, check_defined};
 use crate::kinematics::{Kinematics, by_quasi_velocities, solve_kinematics, velocity_inputs};
 use crate::reactions::form_derived;
 use crate::recursive::{accelerations, derive_recursive, joint_forces, tree_of};
@@ -275,6 +275,7 @@ fn check_mass(model: &Model, kinematics: &Kinematics, form: &MassForm<'_>, input
     let mut m = graph.eval(&ids, inputs);
     let diagonal: Vec<f64> = (0..n).map(|i| m[packed(i, i)]).collect();
     if let Some(k) = m.iter().position(|x| !x.is_finite()) {
+        check_defined(model, inputs)?;
         let name = first_not_finite(model, &[], inputs).unwrap_or(format!("entry {k} of the mass matrix"));
         return Err(DeriveError::NotFinite { name, value: m[k] });
     }
@@ -282,6 +283,7 @@ fn check_mass(model: &Model, kinematics: &Kinematics, form: &MassForm<'_>, input
     for i in 0..n {
         let pivot = m[packed(i, i)];
         if pivot.is_nan() || pivot <= 1e-13 * diagonal[i].abs() {
+            check_defined(model, inputs)?;
             return Err(DeriveError::SingularMass { name: kinematics.quasi[i].name.clone(), pivot });
         }
     }

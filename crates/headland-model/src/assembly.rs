@@ -251,6 +251,19 @@ impl<'s, 'g> Builder<'s, 'g> {
         }
     }
 
+    /// Names of the rows by which the joints would close loops, were they not on the tree.
+    pub(crate) fn rows_of_joints(&self) -> Vec<(String, bool)> {
+        let rows = |joint: &JointEntry<'_>| {
+            let axes = ["x", "y", "z"];
+            let positions =
+                joint.kind.fixed_positions().iter().map(|&i| (format!("{}.{}", joint.name, axes[i]), false));
+            let rotations = joint.kind.fixed_rotations().iter();
+            let rotations = rotations.map(|&(i, k)| (format!("{}.{}{}", joint.name, axes[i], axes[k]), true));
+            positions.chain(rotations).collect::<Vec<_>>()
+        };
+        self.assembly.joints.iter().filter(|joint| joint.element.is_some()).flat_map(rows).collect()
+    }
+
     /// Mass, centre and tensor of a body as an element of equation (7).
     fn body(&mut self, frame: usize) -> Made<()> {
         let Some((element, binding)) = self.assembly.frames[frame].element.clone() else { return Ok(()) };

@@ -53,6 +53,7 @@ mod names;
 pub mod place;
 mod present;
 pub mod read;
+mod residuals;
 pub mod scene;
 mod start;
 pub mod symbols;
@@ -62,7 +63,7 @@ pub mod units;
 
 pub use contact::{Contact, Friction, Mode};
 pub use model::{
-    Body, Coordinate, Derived, DerivedQuantity, Direction, Element, ElementKind, Event, Guard, KinematicRow,
+    Body, Coordinate, Derived, DerivedQuantity, Direction, Element, ElementKind, Event, Guard, Hazard, KinematicRow,
     LinearSolver, Load, Model, Parameter, Plot, Quantity, QuasiVelocity, Reaction, RowForm, RunSettings, StructureForm,
     VectorNodes, VectorStructure,
 };

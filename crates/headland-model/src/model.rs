@@ -85,13 +85,16 @@ pub struct KinematicRow {
     pub may_be_redundant: bool,
     /// Name and dimension of the force with which it is enforced.
     pub force: Option<(String, Dimension)>,
+    /// Dimension of what must be zero, of the velocities.
+    pub dimension: Dimension,
 }
 
 impl KinematicRow {
-    /// A row of form (2), or a velocity constraint.
+    /// A row of form (2), or a velocity constraint, in m/s.
     pub fn new(name: impl Into<String>, place: &Place, form: RowForm) -> Self {
         let (name, place) = (name.into(), place.clone());
-        Self { name, place, form, position: None, rate: None, may_be_redundant: false, force: None }
+        let dimension = Dimension::of(0, 1, -1);
+        Self { name, place, form, position: None, rate: None, may_be_redundant: false, force: None, dimension }
     }
 }
 
@@ -267,6 +270,19 @@ pub struct Guard {
     pub message: String,
 }
 
+/// A place where the equations are not defined.
+#[derive(Clone, Debug)]
+pub struct Hazard {
+    /// What must be above the limit, in SI units.
+    pub quantity: NodeId,
+    /// The limit.
+    pub limit: f64,
+    /// What is wrong at or below it, and what helps.
+    pub message: String,
+    /// Where the scene says so.
+    pub place: Place,
+}
+
 /// Which way an event function crosses zero.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Direction {
@@ -376,6 +392,8 @@ pub struct Model {
     pub outputs: Vec<Quantity>,
     /// Limits of validity.
     pub guards: Vec<Guard>,
+    /// Places where the equations are not defined.
+    pub hazards: Vec<Hazard>,
     /// Events.
     pub events: Vec<Event>,
     /// Plots.
@@ -399,6 +417,12 @@ impl Model {
             inputs[p.input] = p.value;
         }
         inputs
+    }
+
+    /// The first place without equations at which the given inputs of the graph are.
+    pub fn hazard(&self, inputs: &[f64]) -> Option<&Hazard> {
+        let values = self.graph.eval(&self.hazards.iter().map(|h| h.quantity).collect::<Vec<_>>(), inputs);
+        self.hazards.iter().zip(values).find(|(h, value)| *value <= h.limit).map(|(h, _)| h)
     }
 
     /// Number of elements of a kind.

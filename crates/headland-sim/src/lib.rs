@@ -31,6 +31,8 @@ mod modes;
 pub mod options;
 mod passage;
 pub mod project;
+#[cfg(feature = "ida")]
+mod rates;
 mod record;
 pub mod report;
 pub mod run;

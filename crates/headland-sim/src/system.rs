@@ -98,7 +98,7 @@ pub struct System {
     pub(crate) slides: Compiled,
     /// First of the inputs that say in which direction contacts slide: six each, direction and shift.
     pub(crate) slides_from: usize,
-    events: Compiled,
+    pub(crate) events: Compiled,
     /// What each event function watches.
     pub watches: Vec<Watch>,
     /// Multipliers that stand as inputs behind u′: none with elimination.
@@ -465,6 +465,15 @@ impl Problem {
         self.projector.worst(&self.x)
     }
 
+    /// Moves the coordinates of `y` onto the constraints on positions, as far as that succeeds.
+    pub(crate) fn settle_positions(&mut self, t: f64, y: &mut [f64]) {
+        self.load(t, y);
+        let system = self.system.clone();
+        if self.projector.project(&system.positions, &mut self.x) {
+            y[..system.nq].copy_from_slice(&self.x[1..=system.nq]);
+        }
+    }
+
     /// `x` for a compiled function: with u′ only if it reads them.
     pub fn inputs_for(&mut self, function: &Compiled, t: f64, y: &[f64]) -> &[f64] {
         if function.reads_accelerations {
@@ -478,6 +487,8 @@ impl Problem {
     pub fn full_inputs(&mut self, t: f64, y: &[f64]) -> &[f64] {
         if y.len() > self.system.len() {
             self.load(t, y);
+            #[cfg(feature = "ida")]
+            self.settle_rates();
             return &self.x;
         }
         let mut dy = std::mem::take(&mut self.dy);
