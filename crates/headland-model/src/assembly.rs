@@ -14,6 +14,7 @@ mod motion;
 mod quantities;
 mod reactions;
 mod rolling;
+mod touching;
 mod tree;
 
 use headland_expr::{Expr, Scalar};
@@ -80,6 +81,10 @@ pub(crate) struct Assembly<'s, 'g> {
     total: quantities::Total<'g>,
     /// Torques of joints that close loops.
     closing_forces: Vec<(String, Reaction, bool)>,
+    /// Places of contact on curved ground.
+    touches: Vec<touching::Touch<'g>>,
+    /// Discs that roll: contact, place, and sine of the angle between axis and normal.
+    tilts: Vec<(String, Place, headland_expr::NodeId)>,
 }
 
 const SECTIONS: [&str; 7] = ["body", "frame", "joint", "rolling", "skate", "spring", "bushing"];
