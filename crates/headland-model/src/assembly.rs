@@ -16,6 +16,7 @@ mod quantities;
 mod reactions;
 mod rolling;
 mod surfaces;
+mod touching;
 mod tree;
 
 use headland_expr::{Expr, Scalar};
@@ -84,6 +85,10 @@ pub(crate) struct Assembly<'s, 'g> {
     total: quantities::Total<'g>,
     /// Torques of joints that close loops.
     closing_forces: Vec<(String, Reaction, bool)>,
+    /// Places of contact on curved ground.
+    touches: Vec<touching::Touch<'g>>,
+    /// Discs that roll: contact, place, and sine of the angle between axis and normal.
+    tilts: Vec<(String, Place, headland_expr::NodeId)>,
 }
 
 const SECTIONS: [&str; 9] = ["body", "frame", "surface", "joint", "rolling", "contact", "skate", "spring", "bushing"];

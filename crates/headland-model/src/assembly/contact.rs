@@ -58,10 +58,9 @@ impl<'g> Builder<'_, 'g> {
         self.publish(format!("{name}.gap"), touch.gap[0], Dimension::of(0, 1, 0));
         // coefficients are made with a placeholder, for they are wanted with and without slip
         let placeholder = self.low.dependence.input(graph, &format!("{name}.slip"), Kinds::QUASI);
-        let shown = self.low.totals.len();
         self.publish(format!("{name}.slip"), graph.expr(placeholder), speed);
         let friction = self.friction(name, slip, touch.normal, placeholder, element, binding)?;
-        self.low.totals[shown].1.expr = tangential.norm();
+        self.publish(format!("{name}.slip"), tangential.norm(), Dimension::of(0, 1, -1));
         let restitution = self.coefficient(element, "restitution", binding)?.unwrap_or(number(0.0));
         if self.evaluate(restitution).is_some_and(|e| !(0.0..=1.0).contains(&e)) {
             let place = element.get("restitution").map_or(&element.place, |v| &v.place).clone();
@@ -123,7 +122,7 @@ impl<'g> Builder<'_, 'g> {
 
     /// A name for outputs, guards and events, and for expressions of the same element.
     fn publish(&mut self, name: String, expr: Expr<'g>, dimension: Dimension) {
-        self.low.totals.push((name, Typed { expr, ..Typed::number(0.0, dimension) }));
+        self.low.totals.insert(name, Typed { expr, ..Typed::number(0.0, dimension) });
     }
 
     /// A number without unit that is not negative.

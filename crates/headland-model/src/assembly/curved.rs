@@ -8,28 +8,18 @@
 //! c′ + w × p = 0,             p = −r n,      p′ = −r n′
 //! ```
 //! The gap's rate is the normal component of the second equation: one of the four rows follows from the others.
-//!
-//! On a surface `z = f(s, t)` the place of contact has two coordinates of its own, which have no inertia:
-//!
-//! ```text
-//! c = P(s, t) + r n(s, t),    P = (s, t, f),    n = (−f_s, −f_t, 1)/√(1 + f_s² + f_t²),    p = −r n
-//! ```
 
-use headland_expr::{Expr, NodeId, Scalar};
+use headland_expr::Expr;
 use headland_spatial::Vector;
 use headland_surface::{Shape, Side};
 
 use super::closures::Relative;
 use super::number;
-use crate::build::{Builder, Made, bound_name};
+use crate::build::{Builder, Made};
 use crate::dimension::Dimension;
-use crate::lower::Reported;
 use crate::scene::Data;
 use crate::scene::Element as SceneElement;
-use crate::symbols::{Binding, Members, Symbol};
-
-/// Where a ball touches a surface given by its height: two coordinates of the contact, `name.s` and `name.t`.
-const PLACES: [&str; 2] = ["s", "t"];
+use crate::symbols::Binding;
 
 impl<'g> Builder<'_, 'g> {
     /// The curved ground of an element; `None` for a plane, and for a surface by its height.
@@ -75,93 +65,6 @@ impl<'g> Builder<'_, 'g> {
                 Err(self.low.report(place, message))
             }
         }
-    }
-
-    /// Declares the coordinates of the places of contact on surfaces given by their height.
-    pub(super) fn declare_places(&mut self) {
-        for element in self.scene.section_elements("rolling") {
-            if !is_height(element) {
-                continue;
-            }
-            let Ok(name) = self.text_field(element, "name") else { continue };
-            for binding in self.bindings_of(element).unwrap_or_default() {
-                for part in PLACES {
-                    let _ = self.declare_place(element, &bound_name(&name, &binding), part);
-                }
-            }
-        }
-    }
-
-    fn declare_place(&mut self, element: &SceneElement, full: &str, part: &str) -> Made<()> {
-        let (base, member) = self.split_name(full, &element.place)?;
-        let family = format!("{base}.{part}");
-        let position =
-            self.low.add_coordinate(format!("{full}.{part}"), &Dimension::of(0, 1, 0), false, &element.place);
-        self.low.coordinates[position].guess = Some(0.0);
-        match self.low.symbols.by_name.get_mut(family.as_str()) {
-            Some(Symbol::Coordinate(members)) => {
-                members.insert(member, position);
-            }
-            _ => {
-                let members = Members::family([(member, position)]);
-                self.low.symbols.by_name.insert(family.as_str().into(), Symbol::Coordinate(members));
-            }
-        }
-        Ok(())
-    }
-
-    /// The rows of a ball on a surface given by its height; false if the element has none.
-    pub(super) fn roll_on_height(
-        &mut self,
-        name: &str,
-        relative: &Relative<'g>,
-        ball: Expr<'g>,
-        element: &SceneElement,
-        binding: &Binding,
-    ) -> Made<bool> {
-        if !is_height(element) {
-            return Ok(false);
-        }
-        let Some(height) = self.scalar_field(element, "height", binding, &Dimension::of(0, 1, 0))? else {
-            let message =
-                format!("`surface = \"height\"` needs `height`: z by `{name}.s` and `{name}.t`, the place of contact");
-            return Err(self.low.report(element.place.clone(), message));
-        };
-        let graph = self.low.graph;
-        let found = |part: &str| self.low.coordinates.iter().find(|c| c.name == format!("{name}.{part}")).map(|c| c.q);
-        let (Some(s), Some(t)) = (found("s"), found("t")) else { return Err(Reported) };
-        let slope = |input: NodeId| {
-            let slot = graph.node(input).args[0] as usize;
-            graph.tangent(&[graph.id(height)], |i| (i == slot).then_some(number(1.0)))[0]
-        };
-        let (f_s, f_t) = (slope(s), slope(t));
-        let length = (number(1.0) + f_s * f_s + f_t * f_t).sqrt();
-        let n = Vector([-f_s / length, -f_t / length, number(1.0) / length]);
-        let place = Vector([graph.expr(s), graph.expr(t), height]);
-        let turning = relative.turning();
-        let (c, c_rate) =
-            (Vector([0, 1, 2].map(|i| relative.distance(i)[0])), Vector([0, 1, 2].map(|i| relative.distance(i)[1])));
-        let gap = c - place - n * ball;
-        let slip = c_rate + turning.apply(relative.spin()).cross(n * -ball);
-        let rate =
-            |b: &mut Self, e: Expr<'g>| b.low.time_derivative(e, 1).map_err(|m| b.low.report(element.place.clone(), m));
-        let mut forces: [Vec<(usize, NodeId)>; 3] = Default::default();
-        let against = graph.id(number(-1.0));
-        for (i, axis) in ["x", "y", "z"].into_iter().enumerate() {
-            let first = rate(self, gap[i])?;
-            let second = rate(self, first)?;
-            let row = self.hold(&format!("{name}.contact {axis}"), [gap[i], first, second], &element.place);
-            forces[i].extend(row.map(|row| (row, against)));
-        }
-        for (i, axis) in ["x", "y", "z"].into_iter().enumerate() {
-            let second = rate(self, slip[i])?;
-            forces[i].push((self.parts.kinematics.len(), against));
-            self.bind_velocity(&format!("{name}.{axis}"), [slip[i], second], "", element);
-        }
-        for (axis, constraints) in ["x", "y", "z"].into_iter().zip(forces) {
-            self.name_sum(format!("{name}.f{axis}"), constraints, false);
-        }
-        Ok(true)
     }
 
     /// The rows of a ball on curved ground, and its contact force.
@@ -216,8 +119,4 @@ impl<'g> Touch<'g> {
     pub(super) fn slip_row(&self, i: usize) -> [Expr<'g>; 2] {
         [self.slip[0][i], self.slip[1][i]]
     }
-}
-
-fn is_height(element: &SceneElement) -> bool {
-    matches!(element.get("surface"), Some(v) if v.data == Data::Text("height".into()))
 }
