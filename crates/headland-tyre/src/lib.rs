@@ -22,24 +22,37 @@
 //! In order: [`vertical`] gives the load, [`slip`] the motion of the contact and the states of relaxation, [`law`] says what
 //! all slip laws have in common; these are [`linear`], [`brush`], [`tmeasy`] and [`pac2002`], read from files by [`tir`];
 //! [`rolling`] adds moments where a law has none. A wheel without slip is a constraint, not a law.
+//!
+//! Around the wheel: [`soil`] is soft ground, [`road`] uneven ground with its [`profile`]s, [`driveline`] what turns and stops
+//! wheels, [`tillage`] what a tool in the ground pulls.
 
 pub mod brush;
+pub mod driveline;
 pub mod guard;
 pub mod law;
 pub mod linear;
 pub mod pac2002;
+pub mod profile;
+pub mod road;
 pub mod rolling;
 pub mod slip;
+pub mod soil;
+pub mod tillage;
 pub mod tir;
 pub mod tmeasy;
 pub mod vertical;
 
 pub use brush::Brush;
+pub use driveline::{Brake, Differential, Engine, Governor, Lock};
 pub use law::{Forces, Slip, SlipLaw};
 pub use linear::Linear;
 pub use pac2002::Pac2002;
+pub use profile::{Obstacle, Profile, RoadError};
+pub use road::{Coherence, RandomRoad, Road, Roughness};
 pub use rolling::{Overturning, RollingResistance};
 pub use slip::{ContactAxes, Motion, Relaxation, relax_towards};
+pub use soil::{KnownSoil, SoftForces, SoftWheel, Soil};
+pub use tillage::Draught;
 pub use tir::{Note, Tir, TirError};
 pub use tmeasy::TMeasy;
 pub use vertical::{Stiffness, Vertical};
