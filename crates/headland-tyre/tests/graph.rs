@@ -99,7 +99,14 @@ fn slip_laws() {
     let mut laws = vec![("linear".to_string(), Law::Linear), ("brush".to_string(), Law::Brush)];
     laws.push(("tmeasy".to_string(), Law::TMeasy));
     for (name, text) in common::files() {
-        laws.push((name, Law::Pac(Box::new(Pac2002::parse(&text).unwrap()))));
+        let tyre = Pac2002::parse(&text).unwrap();
+        // without shifts all slips vanish together
+        let mut centred = tyre.clone();
+        for key in "LHX LVX LHY LVY LKG QHZ1 QHZ2 QHZ3 QHZ4".split_whitespace() {
+            assert!(centred.set_coefficient(key, 0.0));
+        }
+        laws.push((format!("{name}, centred"), Law::Pac(Box::new(centred))));
+        laws.push((name, Law::Pac(Box::new(tyre))));
     }
     for (name, law) in &laws {
         hold(name, law, &points);

@@ -52,7 +52,8 @@ fn reference_points_are_met() {
 
 /// The formula once more, term by term as it is printed, with divisions by the load and by `sin(2 atan x)`: a second
 /// derivation of all five outputs at combined slip and camber.
-fn printed(tyre: &Pac2002, fz: f64, kappa: f64, alpha: f64, camber: f64, speed: f64) -> Forces<f64> {
+fn printed(tyre: &Pac2002, fz: f64, kappa: f64, alpha: f64, camber: f64, speed: f64, pressure: f64) -> Forces<f64> {
+    let dp = pressure - 1.0;
     let c = |key: &str| tyre.coefficient(key).unwrap();
     let r0 = tyre.radius();
     let fz0 = tyre.nominal_load();
@@ -63,9 +64,11 @@ fn printed(tyre: &Pac2002, fz: f64, kappa: f64, alpha: f64, camber: f64, speed: 
     let kappa_x = kappa + (c("PHX1") + c("PHX2") * dfz) * c("LHX");
     let gx = camber * c("LGAX");
     let mux = (c("PDX1") + c("PDX2") * dfz) * (1.0 - c("PDX3") * gx.powi(2)) * c("LMUX");
+    let mux = mux * (1.0 + c("PPX3") * dp + c("PPX4") * dp.powi(2));
     let (cx, dx) = (c("PCX1") * c("LCX"), mux * fz);
     let ex = (c("PEX1") + c("PEX2") * dfz + c("PEX3") * dfz.powi(2)) * (1.0 - c("PEX4") * sgn(kappa_x)) * c("LEX");
     let kx = fz * (c("PKX1") + c("PKX2") * dfz) * (c("PKX3") * dfz).exp() * c("LKX");
+    let kx = kx * (1.0 + c("PPX1") * dp + c("PPX2") * dp.powi(2));
     let svx = fz * (c("PVX1") + c("PVX2") * dfz) * c("LVX") * c("LMUX");
     let fx0 = dx * mf(kx / (cx * dx), cx, ex, kappa_x).sin() + svx;
 
@@ -73,9 +76,11 @@ fn printed(tyre: &Pac2002, fz: f64, kappa: f64, alpha: f64, camber: f64, speed: 
     let shy = (c("PHY1") + c("PHY2") * dfz) * c("LHY") + c("PHY3") * gy * c("LKG");
     let alpha_y = alpha + shy;
     let muy = (c("PDY1") + c("PDY2") * dfz) * (1.0 - c("PDY3") * gy.powi(2)) * c("LMUY");
+    let muy = muy * (1.0 + c("PPY3") * dp + c("PPY4") * dp.powi(2));
     let (cy, dy) = (c("PCY1") * c("LCY"), muy * fz);
     let ey = (c("PEY1") + c("PEY2") * dfz) * (1.0 - (c("PEY3") + c("PEY4") * gy) * sgn(alpha_y)) * c("LEY");
-    let ky0 = c("PKY1") * fz0 * (2.0 * (fz / (c("PKY2") * fz0)).atan()).sin() * c("LKY");
+    let most = c("PKY2") * fz0 * (1.0 + c("PPY2") * dp);
+    let ky0 = c("PKY1") * (1.0 + c("PPY1") * dp) * fz0 * (2.0 * (fz / most).atan()).sin() * c("LKY");
     let ky = ky0 * (1.0 - c("PKY3") * gy.abs());
     let by = ky / (cy * dy);
     let svy = (c("PVY1") + c("PVY2") * dfz) * c("LVY") + (c("PVY3") + c("PVY4") * dfz) * gy * c("LKG");
@@ -106,19 +111,29 @@ fn printed(tyre: &Pac2002, fz: f64, kappa: f64, alpha: f64, camber: f64, speed: 
     let dt = fz * (c("QDZ1") + c("QDZ2") * dfz) * (1.0 + c("QDZ3") * gz + c("QDZ4") * gz.powi(2)) * r0 / fz0;
     let et = (c("QEZ1") + c("QEZ2") * dfz + c("QEZ3") * dfz.powi(2))
         * (1.0 + (c("QEZ4") + c("QEZ5") * gz) * (2.0 / std::f64::consts::PI) * (bt * ct * eq(alpha_t)).atan());
+    let dt = dt * (1.0 - c("QPZ1") * dp);
     let t = dt * c("LTR") * mf(bt, ct, et, eq(alpha_t)).cos() * alpha.cos();
     let br = c("QBZ9") * c("LKY") / c("LMUY") + c("QBZ10") * by * cy;
-    let dr = fz * ((c("QDZ6") + c("QDZ7") * dfz) * c("LRES") + (c("QDZ8") + c("QDZ9") * dfz) * gz) * r0 * c("LMUY");
+    let dr = fz
+        * ((c("QDZ6") + c("QDZ7") * dfz) * c("LRES") + (c("QDZ8") + c("QDZ9") * dfz) * (1.0 + c("QPZ2") * dp) * gz)
+        * r0
+        * c("LMUY");
     let mzr = dr * (br * eq(alpha_r)).atan().cos() * alpha.cos();
     let s = (c("SSZ1") + c("SSZ2") * fy / fz0 + (c("SSZ3") + c("SSZ4") * dfz) * camber) * r0 * c("LS");
     let mz = -t * (fy - svyk) + mzr + s * fx;
 
-    let mx = c("QSX1") * c("LVMX") - c("QSX2") * camber + c("QSX3") * fy / fz0;
+    let swing = c("QSX7") * camber + c("QSX8") * (c("QSX9") * fy / fz0).atan();
+    let mx = c("QSX1") * c("LVMX") - c("QSX2") * (1.0 + c("QPX1") * dp) * camber
+        + c("QSX3") * fy / fz0
+        + c("QSX4") * (c("QSX5") * (c("QSX6") * fz / fz0).powi(2).atan()).cos() * swing.sin()
+        + c("QSX10") * (c("QSX11") * fz / fz0).atan() * camber;
     let my = if c("QSY1") == 0.0 && c("QSY2") == 0.0 {
         -r0 * (svx + kx * (kappa_x - kappa))
     } else {
         let v = speed / 16.7;
-        -r0 * fz * (c("QSY1") + c("QSY2") * fx / fz0 + c("QSY3") * v.abs() + c("QSY4") * v.powi(4))
+        let f = c("QSY1") + c("QSY2") * fx / fz0 + c("QSY3") * v.abs() + c("QSY4") * v.powi(4);
+        let f = f + c("QSY5") * camber.powi(2) + c("QSY6") * camber.powi(2) * fz / fz0;
+        -r0 * fz * f * (fz / fz0).powf(c("QSY7")) * pressure.powf(c("QSY8"))
     };
     Forces { fx, fy, mx: r0 * fz * mx * c("LMX"), my: my * c("LMY"), mz }
 }
@@ -133,20 +148,23 @@ fn close(found: &Forces<f64>, other: &Forces<f64>, scale: f64, tolerance: f64) {
 proptest! {
     #[test]
     fn agrees_with_the_formula_as_printed(
-        kappa in -0.9..0.9, alpha in -0.5..0.5, camber in -0.15..0.15, share in 0.1..1.8, speed in 1.0..30.0,
+        kappa in -0.9..0.9, alpha in -0.5..0.5, camber in -0.15..0.15, share in 0.1..1.8, speed in 1.0..30.0, pressure in 0.6..1.3,
     ) {
         for (_, mut tyre) in tyres() {
             // where the file has zeros, terms would go unchecked
-            for (key, value) in [("QSX1", 0.01), ("QSX2", 0.8), ("QSX3", 0.05), ("QSY3", 1e-3), ("QSY4", 1e-4), ("QBZ10", 0.2)] {
-                tyre.set_coefficient(key, value);
+            let more = "QSX1 QSX2 QSX3 QSX4 QSX5 QSX6 QSX7 QSX8 QSX9 QSX10 QSX11 QPX1 QSY3 QSY4 QSY5 QSY6 QSY7 QSY8 QBZ10 \
+                QPZ1 QPZ2 PPX1 PPX2 PPX3 PPX4 PPY1 PPY2 PPY3 PPY4";
+            for (i, key) in more.split_whitespace().enumerate() {
+                tyre.set_coefficient(key, 0.05 + 0.01 * i as f64);
             }
+            tyre.set_pressure_ratio(pressure);
             for key in ["LHX", "LVX", "LHY", "LVY", "LKG", "LTR", "LRES", "LS", "LXAL", "LYKA", "LVYKA", "LMX", "LVMX", "LMUY"] {
                 tyre.set_coefficient(key, 0.9);
             }
             let load = share * tyre.nominal_load();
             let slip = Slip { speed, ..slip(kappa, alpha, camber) };
             let found = tyre.forces(load, 1.0, &slip);
-            close(&found, &printed(&tyre, load, kappa, alpha, camber, speed), load, 1e-12);
+            close(&found, &printed(&tyre, load, kappa, alpha, camber, speed, pressure), load, 1e-12);
         }
     }
 
@@ -302,6 +320,14 @@ fn files_of_the_wild_are_named_with_what_was_assumed() {
             .contains("PROPERTY_FILE_FORMAT is 'FTIRE'; this reader knows PAC2002")
     );
     assert!(error(text.replace("1e+006", "-5")).contains("VERTICAL_STIFFNESS = -5 must be above zero"));
+
+    // pressure: one quarter above the nominal one
+    let mut soft = complete.clone();
+    soft.set_pressure_ratio(1.25);
+    assert!(soft.set_coefficient("ppy1", -0.5));
+    let text_soft = text.replacen("800000 $", "1000000 $", 1).replace("PPY1                 = 0.0", "PPY1 = -0.5");
+    let read = Pac2002::parse(&text_soft).unwrap();
+    assert_eq!(read.forces(2e4, 1.0, &slip(0.0, 0.05, 0.0)), soft.forces(2e4, 1.0, &slip(0.0, 0.05, 0.0)));
 
     // the same tyre in millimetres and kilonewtons
     let other = text
