@@ -23,11 +23,13 @@
 //! all slip laws have in common; these are [`linear`], [`brush`], [`tmeasy`] and [`pac2002`], read from files by [`tir`];
 //! [`rolling`] adds moments where a law has none. A wheel without slip is a constraint, not a law.
 //!
-//! Around the wheel: [`soil`] is soft ground, [`road`] uneven ground with its [`profile`]s, [`driveline`] what turns and stops
+//! Around the wheel: [`soil`] is soft ground, [`road`] uneven ground with its [`profile`]s, [`envelope`] what a tyre
+//! of some size sees of it, [`driveline`] what turns and stops
 //! wheels, [`tillage`] what a tool in the ground pulls.
 
 pub mod brush;
 pub mod driveline;
+pub mod envelope;
 pub mod guard;
 pub mod law;
 pub mod linear;
@@ -44,6 +46,7 @@ pub mod vertical;
 
 pub use brush::Brush;
 pub use driveline::{Brake, Differential, Engine, Governor, Lock};
+pub use envelope::{Envelope, GroundPlane};
 pub use law::{Forces, Slip, SlipLaw};
 pub use linear::Linear;
 pub use pac2002::Pac2002;

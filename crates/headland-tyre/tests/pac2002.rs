@@ -321,6 +321,15 @@ fn files_of_the_wild_are_named_with_what_was_assumed() {
     );
     assert!(error(text.replace("1e+006", "-5")).contains("VERTICAL_STIFFNESS = -5 must be above zero"));
 
+    let turn = said(&text.replace("USE_MODE=4", "USE_MODE=15"));
+    assert_eq!(turn, ["line 9: turn slip is not computed; USE_MODE taken as 4"]);
+    assert!(error(text.replace("USE_MODE=4", "USE_MODE=2.5")).contains("USE_MODE = 2.5 must be 0 to 4"));
+    let right = Pac2002::parse(&text.replace("USE_MODE=4", "USE_MODE=-3\nTYRESIDE='LEFT'")).unwrap();
+    assert_eq!(right.side(), Side::Right);
+    let uncombined = right.forces(2e4, 1.0, &slip(0.05, 0.05, 0.0));
+    assert_eq!(uncombined.fx, complete.forces(2e4, 1.0, &slip(0.05, 0.0, 0.0)).fx);
+    assert_eq!(uncombined.fy, complete.forces(2e4, 1.0, &slip(0.0, 0.05, 0.0)).fy);
+
     // pressure: one quarter above the nominal one
     let mut soft = complete.clone();
     soft.set_pressure_ratio(1.25);

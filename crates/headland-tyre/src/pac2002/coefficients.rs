@@ -312,6 +312,10 @@ impl Reader<'_> {
         if mode.fract() != 0.0 || mode > 99.0 {
             return Err(self.range("USE_MODE", value, "0 to 4, 10 to 14 or 20 to 25, or the negative of these"));
         }
+        if mode % 10.0 > 4.0 {
+            let what = format!("line {}: turn slip is not computed; USE_MODE taken as 4", self.tir.line("USE_MODE"));
+            self.notes.push(Note::Adjusted { what });
+        }
         Ok(mode as u32 % 10)
     }
 
