@@ -330,6 +330,18 @@ fn files_of_the_wild_are_named_with_what_was_assumed() {
     assert_eq!(uncombined.fx, complete.forces(2e4, 1.0, &slip(0.05, 0.0, 0.0)).fx);
     assert_eq!(uncombined.fy, complete.forces(2e4, 1.0, &slip(0.0, 0.05, 0.0)).fy);
 
+    let tables =
+        format!("{text}[DEFLECTION_LOAD_CURVE]\n{{pen fz}}\n0 0\n0.05 15000\n0.1 40000\n[BOTTOMING_CURVE]\n0 0\n");
+    let curved = Pac2002::parse(&tables).unwrap();
+    assert!(curved.notes()[0].to_string().ends_with("the table in [BOTTOMING_CURVE] is not used"));
+    assert_relative_eq!(curved.vertical().unwrap().load(0.05, 0.0), 15e3, max_relative = 1e-14);
+    let descending = tables.replace("0.05 15000", "0.2 15000");
+    assert!(
+        said(&descending)
+            .iter()
+            .any(|n| n.contains("the load curve was left out: table `DEFLECTION_LOAD_CURVE`: abscissas must grow"))
+    );
+
     // pressure: one quarter above the nominal one
     let mut soft = complete.clone();
     soft.set_pressure_ratio(1.25);

@@ -127,6 +127,7 @@ impl Pac2002 {
         let c = reader.coefficients()?;
         reader.missing_others();
         reader.unknown();
+        reader.unused_tables();
         let radius = reader.needed("DIMENSION", "UNLOADED_RADIUS", "the radius of the tyre without load")?;
         let load = reader.needed("VERTICAL", "FNOMIN", "the load about which the formula is written")?;
         let pressure = reader.number("IP")?;
@@ -301,6 +302,16 @@ impl Reader<'_> {
                 let near = known.iter().map(|k| (strsim::damerau_levenshtein(k, key), k)).min();
                 let similar = near.filter(|(distance, _)| *distance == 1).map(|(_, k)| k.clone());
                 self.notes.push(Note::UnknownKey { line: entry.line, key: key.clone(), similar });
+            }
+        }
+    }
+
+    /// Names tables that no one reads.
+    fn unused_tables(&mut self) {
+        for (section, table) in &self.tir.tables {
+            if !["DEFLECTION_LOAD_CURVE", "SHAPE"].contains(&section.as_str()) {
+                let what = format!("line {}: the table in [{section}] is not used", table.line);
+                self.notes.push(Note::Adjusted { what });
             }
         }
     }
