@@ -2,13 +2,14 @@
 
 use headland_expr::{Dual, Expr, NodeId};
 use headland_model::tree::JointTree;
-use headland_model::{Body, Derived, ElementKind, LinearSolver, Model, StructureForm};
+use headland_model::{Body, Derived, ElementKind, LinearSolver, Mode, Model, StructureForm};
 
 use crate::combine::{MOST_VELOCITIES, derive_combined, does_not_apply};
 use crate::compare::compare_derivations;
 use crate::direct::{MassForm, derive_direct};
 use crate::energy::{Energies, form_energies};
 use crate::error::DeriveError;
+use crate::friction::close_friction;
 use crate::initial::assemble;
 use crate::kinematics::{Kinematics, by_quasi_velocities, solve_kinematics, velocity_inputs};
 use crate::reactions::form_derived;
@@ -68,6 +69,8 @@ pub struct Equations {
     pub structure_matrix: Vec<Vec<NodeId>>,
     /// Energies and powers.
     pub energies: Energies,
+    /// Matrix of the normal forces of sliding contacts, row by row: its determinant must stay positive.
+    pub friction_pivots: Vec<NodeId>,
     /// Values of the model's derived quantities, by u′.
     pub derived: Vec<NodeId>,
     /// Which solver of `M u′ = F`.
@@ -98,8 +101,9 @@ pub fn derive_at(model: &Model, inputs: &[f64], options: &DeriveOptions) -> Resu
     let kinematics = solve_kinematics(model, inputs, &mass_diagonal)?;
     let n = kinematics.quasi.len();
     let tree = tree_of(model, &kinematics);
-    let recursive = tree.filter(|_| n > options.unroll && options.algorithm == Algorithm::Cheaper);
-    let tells_reactions = model.derived.iter().any(|d| matches!(d.what, Derived::Reaction(_)));
+    let slides = model.contacts.iter().any(|c| c.mode == Mode::Sliding && c.friction.is_some());
+    let recursive = tree.filter(|_| n > options.unroll && options.algorithm == Algorithm::Cheaper && !slides);
+    let tells_reactions = model.derived.iter().any(|d| matches!(d.what, Derived::Reaction(_) | Derived::Contact(..)));
     let compared = options.compare && n <= MOST_VELOCITIES;
     let structures = form_structures(model, &kinematics, recursive.is_none() || tells_reactions || compared)?;
     check_scalar_inertia(model, &kinematics, &structures)?;
@@ -118,7 +122,7 @@ pub fn derive_at(model: &Model, inputs: &[f64], options: &DeriveOptions) -> Resu
     let by_bodies = tree.zip(tau).filter(|_| solver == LinearSolver::Ldl);
     let by_bodies = by_bodies.map(|(tree, tau)| accelerations(model, &kinematics, tree, &tau));
     let by_bodies = by_bodies.map(|es| es.into_iter().map(|e| graph.id(e)).collect::<Vec<_>>());
-    let solved = (n <= options.unroll || is_sparse(&chosen.form.m, n)).then(|| {
+    let solved = (n <= options.unroll || slides || is_sparse(&chosen.form.m, n)).then(|| {
         let mut f = chosen.form.f.clone();
         match solver {
             _ if is_diagonal(&chosen.form.m, n) => {
@@ -136,7 +140,8 @@ pub fn derive_at(model: &Model, inputs: &[f64], options: &DeriveOptions) -> Resu
     let ids = |es: &[Expr<'_>]| -> Vec<NodeId> { es.iter().map(|e| graph.id(*e)).collect() };
     let g = by_quasi_velocities(model, &kinematics.quasi, &kinematics.velocities);
     let energies = form_energies(model, &kinematics, &structures);
-    Ok(Equations {
+    let mut equations = Equations {
+        friction_pivots: Vec::new(),
         derived: form_derived(model, &kinematics, &structures, &energies),
         g,
         mass: ids(&chosen.form.m),
@@ -151,7 +156,9 @@ pub fn derive_at(model: &Model, inputs: &[f64], options: &DeriveOptions) -> Resu
         why: chosen.why,
         difference: chosen.difference,
         kinematics,
-    })
+    };
+    close_friction(model, &mut equations);
+    Ok(equations)
 }
 
 /// The coordinates whose rates would be eliminated at the given inputs of the graph, in the order of elimination.

@@ -39,6 +39,7 @@
 mod agree;
 mod assembly;
 pub mod build;
+pub mod contact;
 mod declare;
 mod definitions;
 pub mod depend;
@@ -58,6 +59,7 @@ pub mod symbols;
 pub mod tree;
 pub mod units;
 
+pub use contact::{Contact, Friction, Mode};
 pub use model::{
     Body, Coordinate, Derived, DerivedQuantity, Direction, Element, ElementKind, Event, Guard, KinematicRow,
     LinearSolver, Load, Model, Parameter, Plot, Quantity, QuasiVelocity, Reaction, RowForm, RunSettings, StructureForm,

@@ -154,7 +154,7 @@ impl Compiled {
                 roots.extend(&source.dynamics);
             } else {
                 let (mass, force) = source.dynamics.split_at(self.nu * (self.nu + 1) / 2);
-                roots.extend(force_residuals(graph, mass, force));
+                roots.extend(force_residuals(graph, 1 + self.nq + self.nu, mass, force));
             }
             Jacobian::new(graph, &roots, &states)
         })

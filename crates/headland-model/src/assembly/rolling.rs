@@ -55,7 +55,7 @@ impl<'g> Builder<'_, 'g> {
             let form = self.rolling_form(element, &binding)?;
             let (Some(a), Some(b)) = (self.motion(ground), self.motion(body)) else { return Err(Reported) };
             let relative = Relative::new(&a, &b.fixed(&centre));
-            if let (Some(curved), Form::Ball(radius)) = (self.curved_ground(element, &binding)?, &form) {
+            if let (Some(curved), Form::Ball(radius)) = (self.curved_ground(element, ground, &binding)?, &form) {
                 self.roll_on(&full, &relative, *radius, &curved, element);
                 continue;
             }
