@@ -133,6 +133,11 @@ impl<'m> TimeLoop<'m> {
         for (k, (contact, state)) in scene.contacts.iter().zip(&states).enumerate() {
             let [gap, rate, _] = state.gap;
             if contact.start.is_some() {
+                // friction has no direction where nothing slips
+                let rests = modes[k] == Mode::Sliding && length(state.across(state.slip)) <= AT_REST;
+                if rests {
+                    modes[k] = self.touching(k, state, AT_REST);
+                }
                 continue;
             }
             if gap < -CLOSED {
@@ -242,8 +247,10 @@ impl<'m> TimeLoop<'m> {
         let contact = &self.contacts.scene.contacts[k];
         let slips = contact.friction.is_some();
         let before = look(&system, &mut self.work.problem, t, &self.y)[k].clone();
-        if before.gap[1] >= 0.0 && before.gap[2] >= 0.0 {
-            return Ok(()); // grazing: it goes apart again
+        if before.gap[1] >= 0.0 {
+            // grazing: it goes apart again, unless it is pressed on
+            let inputs = self.work.model_inputs(self.model, t, &self.y);
+            return self.settle(t, system.modes.clone(), inputs, observer);
         }
         let stuck = |time_loop: &mut Self| {
             let message = format!(
@@ -391,8 +398,12 @@ impl<'m> TimeLoop<'m> {
     fn tell_modes(&mut self, t: f64, before: &[Mode], after: &[Mode], observer: &mut dyn Observer) {
         for k in (0..before.len()).filter(|&k| before[k] != after[k]) {
             let name = self.contacts.scene.contacts[k].name.clone();
-            self.ending.mode_changes += 1;
-            let message = format!("`{name}`: {}, was {}", after[k].name(), before[k].name());
+            let message = if t == self.options.from {
+                format!("`{name}` starts {}", after[k].name())
+            } else {
+                self.ending.mode_changes += 1;
+                format!("`{name}`: {}, was {}", after[k].name(), before[k].name())
+            };
             self.tell(t, &message, observer);
         }
     }
