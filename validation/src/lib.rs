@@ -24,7 +24,7 @@ mod linear;
 mod reference;
 mod report;
 
-pub use case::{Case, CaseResult, Comparison, Expected, Moment};
+pub use case::{Case, CaseResult, Comparison, Expected, Moment, value_of};
 pub use cases::{cases, linear_cases};
 pub use linear::LinearCase;
 pub use report::{to_json, to_table};

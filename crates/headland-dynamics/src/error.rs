@@ -137,6 +137,17 @@ pub enum DeriveError {
         /// By algorithm [9].
         combined: f64,
     },
+    /// A derivative of a surface or table that it does not have.
+    #[error(
+        "{what} need a derivative of `{field}` of fourth or higher order, which it does not have: what is made of its \
+         derivatives can be differentiated once less"
+    )]
+    BeyondField {
+        /// What needs it.
+        what: &'static str,
+        /// The field.
+        field: String,
+    },
     /// Algorithm [9] was asked for but does not apply.
     #[error("algorithm `combine` does not apply: {reason}")]
     CombineDoesNotApply {

@@ -88,7 +88,7 @@ fn what_is_wrong_is_told() {
         ("`radius` must be made of numbers and parameters", format!("{a}[[rolling]]\nname = \"c\"\nbody = \"a\"\nradius = \"t*1[m/s]\"")),
         ("`radius` means nothing here", format!("{a}[[rolling]]\nname = \"c\"\nbody = \"a\"\nradius = 1\nsemi_axes = [1, 1, 1]")),
         ("`semi_axes` is 0 m", format!("{a}[[rolling]]\nname = \"c\"\nbody = \"a\"\nsemi_axes = [1, 0, 1]")),
-        ("`c.x` (s.toml:5:1) is NaN at the start", format!("{a}[[rolling]]\nname = \"c\"\nbody = \"a\"\nradius = 1\naxis = \"z\"")),
+        ("the wheel or disc of `c` lies flat at the start", format!("{a}[[rolling]]\nname = \"c\"\nbody = \"a\"\nradius = 1\naxis = \"z\"")),
         ("`tube` means nothing here", format!("{a}[[rolling]]\nname = \"c\"\nbody = \"a\"\nradius = 1\ntube = 0.1")),
         ("s.toml:5:1 the ends of the spring `s` are in the same place", format!("{a}[[spring]]\nname = \"s\"\nto = \"a\"\nstiffness = 1\nfree_length = 1")),
         ("the ends of the spring `s` are in the same place", format!("{a}[[spring]]\nname = \"s\"\nto = \"a\"\ndamping = 1")),

@@ -5,6 +5,7 @@
 //! are known ([`Builder::build_assembly`]).
 
 mod closures;
+mod contact;
 mod curved;
 mod fields;
 mod forces;
@@ -14,6 +15,8 @@ mod motion;
 mod quantities;
 mod reactions;
 mod rolling;
+mod surfaces;
+mod touching;
 mod tree;
 
 use headland_expr::{Expr, Scalar};
@@ -47,6 +50,8 @@ struct FrameEntry<'s, 'g> {
     carrier: Carrier,
     element: Option<(&'s SceneElement, Binding)>,
     motion: Option<Motion<'g>>,
+    /// True for one that a `[[surface]]` stands in.
+    is_surface: bool,
 }
 
 /// A joint of the scene, or the free motion of a body on which no joint acts.
@@ -80,9 +85,13 @@ pub(crate) struct Assembly<'s, 'g> {
     total: quantities::Total<'g>,
     /// Torques of joints that close loops.
     closing_forces: Vec<(String, Reaction, bool)>,
+    /// Places of contact on curved ground.
+    touches: Vec<touching::Touch<'g>>,
+    /// Discs that roll: contact, place, and sine of the angle between axis and normal.
+    tilts: Vec<(String, Place, headland_expr::NodeId)>,
 }
 
-const SECTIONS: [&str; 7] = ["body", "frame", "joint", "rolling", "skate", "spring", "bushing"];
+const SECTIONS: [&str; 9] = ["body", "frame", "surface", "joint", "rolling", "contact", "skate", "spring", "bushing"];
 
 impl<'s, 'g> Builder<'s, 'g> {
     /// Declares bodies, frames, joints and their coordinates.
@@ -96,11 +105,13 @@ impl<'s, 'g> Builder<'s, 'g> {
             carrier: Carrier::World,
             element: None,
             motion: None,
+            is_surface: false,
         };
         self.assembly.frames.push(world);
         self.low.symbols.by_name.insert("world".into(), Symbol::Frame(Members::single(0)));
         self.declare_frames("body", "a body");
         self.declare_frames("frame", "a frame");
+        self.declare_frames("surface", "a surface");
         self.place_frames();
         self.declare_joints();
         if self.low.diagnostics.is_empty() {
@@ -123,6 +134,7 @@ impl<'s, 'g> Builder<'s, 'g> {
                     carrier,
                     element: Some((element, binding)),
                     motion: None,
+                    is_surface: section == "surface",
                 });
             }
         }
@@ -212,11 +224,14 @@ impl<'s, 'g> Builder<'s, 'g> {
 
     /// Constraints and forces between frames; definitions may be used here.
     pub(crate) fn assembly_elements(&mut self) {
-        for section in ["rolling", "skate", "spring", "bushing"] {
+        for section in ["rolling", "contact", "skate", "spring", "bushing"] {
             self.no_name_twice(section);
         }
         for element in self.scene.section_elements("rolling") {
             let _ = self.rolling(element);
+        }
+        for element in self.scene.section_elements("contact") {
+            let _ = self.contact(element);
         }
         for element in self.scene.section_elements("skate") {
             let _ = self.skate(element);

@@ -4,6 +4,7 @@ use headland_expr::parse::{Program, suggestion};
 use headland_expr::{Expr, Graph, NodeId};
 
 use crate::assembly::Assembly;
+use crate::contact::Contact;
 use crate::depend::Kinds;
 use crate::lower::{Lowering, Reported, Typed};
 use crate::model::{
@@ -59,6 +60,7 @@ pub(crate) struct Parts {
     pub(crate) bodies: Vec<Body>,
     pub(crate) loads: Vec<Load>,
     pub(crate) derived: Vec<DerivedQuantity>,
+    pub(crate) contacts: Vec<Contact>,
     pub(crate) tree: Option<JointTree>,
     pub(crate) definitions: Vec<Quantity>,
     pub(crate) outputs: Vec<Quantity>,
@@ -92,6 +94,7 @@ impl Parts {
             bodies: self.bodies,
             loads: self.loads,
             derived: self.derived,
+            contacts: self.contacts,
             tree: self.tree,
             definitions: self.definitions,
             outputs: self.outputs,
@@ -158,6 +161,7 @@ impl<'s, 'g> Builder<'s, 'g> {
             self.plots(); // else a column may be missing in consequence
         }
         self.run_settings();
+        self.guess_places();
         self.array_lengths();
         self.unused_prescribed();
         self.warn();

@@ -2,6 +2,7 @@
 
 use headland_expr::{Graph, NodeId};
 
+use crate::contact::Contact;
 use crate::dimension::Dimension;
 use crate::place::{Diagnostic, Place, Source};
 use crate::tree::JointTree;
@@ -224,6 +225,8 @@ pub enum Derived {
     Power(String),
     /// A component of the force or torque in a joint.
     Reaction(Reaction),
+    /// A component of the force of a hard contact along the axes of its surface, or along its normal.
+    Contact(usize, Option<usize>),
 }
 
 /// What a velocity that a joint forbids would move: the joint's force along it is the sum of what that takes.
@@ -379,6 +382,8 @@ pub struct Model {
     pub loads: Vec<Load>,
     /// Reactions, energies and powers that outputs use.
     pub derived: Vec<DerivedQuantity>,
+    /// Hard contacts, which may roll, slide and leave.
+    pub contacts: Vec<Contact>,
     /// The joints as a tree, where the bodies on it are all that has inertia.
     pub tree: Option<JointTree>,
     /// Definitions that something uses, in order of use.

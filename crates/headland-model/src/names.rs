@@ -147,6 +147,9 @@ impl<'g> Lowering<'g> {
             Symbol::Table(..) => {
                 Err(self.report(place, format!("`{name}` is a table; it is used as a function: `{name}(x)`")))
             }
+            Symbol::Field(..) => {
+                Err(self.report(place, format!("`{name}` is a table; it is used as a function: `{name}(x, y)`")))
+            }
             kind => {
                 let message = wrong_prime(kind);
                 Err(self.report(place, message))

@@ -287,7 +287,7 @@ impl DaeProblem for Problem {
     }
 
     fn pattern(&self) -> Option<&Pattern> {
-        self.system.dae.as_ref().map(|d| &d.pattern)
+        self.system.dae.as_ref().filter(|d| d.jacobian.is_known()).map(|d| &d.pattern)
     }
 
     fn jacobian(&mut self, t: f64, y: &[f64], dy: &[f64], c: f64, values: &mut [f64]) -> Result<(), EvalFailure> {

@@ -167,7 +167,7 @@ impl<'g> Relative<'g> {
     }
 
     /// The entry `e_i · R e_k`.
-    fn rotation(&self, i: usize, k: usize) -> Row<'g> {
+    pub(super) fn rotation(&self, i: usize, k: usize) -> Row<'g> {
         let mut e = [0.0; 3];
         e[k] = 1.0;
         let e = Vector::constant(e);

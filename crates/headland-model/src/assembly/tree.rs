@@ -95,6 +95,16 @@ impl<'s, 'g> Builder<'s, 'g> {
         frame
     }
 
+    /// Whether a frame's body moves on the world by a joint of its own.
+    pub(super) fn hangs_on_world(&self, frame: usize) -> bool {
+        let body = self.carrier_of(frame);
+        self.assembly.tree.iter().any(|&(j, _)| {
+            let joint = &self.assembly.joints[j];
+            let ends = [self.carrier_of(joint.from), self.carrier_of(joint.to)];
+            ends.contains(&body) && ends.contains(&0)
+        })
+    }
+
     /// Breadth first from the world over the joints in the order of the file; a body that none reaches is free.
     pub(super) fn span_tree(&mut self) {
         let mut reached = vec![false; self.assembly.frames.len()];
