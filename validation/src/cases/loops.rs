@@ -46,8 +46,8 @@ pub(crate) const CASES: &[Case] = &[
         name: "four_bar_1",
         scene: model!("four_bar_n"),
         set: &[("N", "1")],
-        tolerance: 1e-9,
-        allowed: 1e-5, // see `four_bar`
+        tolerance: 1e-11,
+        allowed: 2e-6, // see `four_bar`
         balance: 1e-6,
         expected: || four_bar("1"),
         bite: ("g", "9.9"),
@@ -57,8 +57,8 @@ pub(crate) const CASES: &[Case] = &[
     Case {
         name: "four_bar_2",
         scene: model!("four_bar_n"),
-        tolerance: 1e-9,
-        allowed: 1e-5,
+        tolerance: 1e-11,
+        allowed: 2e-6,
         balance: 1e-6,
         expected: || four_bar("2"),
         bite: ("g", "9.9"),
@@ -126,8 +126,9 @@ fn andrews(pointer: &str, times: &[&str]) -> Vec<Expected> {
 }
 
 /// Every second the bars lie in a line once or twice. At an angle d from there a loop's equation has a slope of about d:
-/// rounding of 1e-16 leaves the rockers' angles open by 1e-16/d, their rates by 1e-16/d^2. Stages of steps fall within
-/// 1e-3 of the place, so that six to eight digits are left whatever the tolerance.
+/// rounding of 1e-16 leaves the rockers' angles open by 1e-16/d, their rates by 1e-16/d^2, and the step over the place is
+/// held to a hundred tolerances only. How near to it a stage falls is chance. Over 60 tolerances from 1e-11 to 2.2e-11 the
+/// error was 3e-9 to 6e-7, mostly 1e-7; it grows with the tolerance, ten times for ten times.
 fn four_bar(n: &str) -> Vec<Expected> {
     reference!("iftomm_rigid").rows(
         &format!("/A02_N_four_bar/values/{n}"),
