@@ -155,7 +155,8 @@ impl<'g> Builder<'_, 'g> {
         Err(self.low.report(place, message))
     }
 
-    fn input_of(&self, input: NodeId) -> usize {
+    /// The slot of an input.
+    pub(super) fn input_of(&self, input: NodeId) -> usize {
         self.low.graph.node(input).args[0] as usize
     }
 
