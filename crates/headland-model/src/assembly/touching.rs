@@ -73,6 +73,7 @@ pub(crate) struct Touch<'g> {
     /// The place of the body, by the normal where the coordinates are.
     touching: Vector<Expr<'g>>,
     normal: Vector<Expr<'g>>,
+    point: Vector<Expr<'g>>,
     distance: Option<Expr<'g>>,
 }
 
@@ -112,6 +113,7 @@ impl<'g> Builder<'_, 'g> {
     pub(super) fn curved_place(
         &mut self,
         name: &str,
+        form: &Form<Expr<'g>>,
         element: &SceneElement,
         binding: &Binding,
     ) -> Made<Option<Curved<'g>>> {
@@ -137,6 +139,16 @@ impl<'g> Builder<'_, 'g> {
         let outside = matches!(element.get("outside").map(|v| &v.data), Some(Data::Flag(true)));
         let side = if outside { Side::Outside } else { Side::Inside };
         let sphere = is(element, "sphere");
+        if let (true, Side::Inside, Some(hollow), Some(body)) =
+            (sphere, side, self.evaluate(radius), form.reach().and_then(|r| self.evaluate(r)))
+            && body >= hollow
+        {
+            let message = format!(
+                "what rolls has a radius of {body} m and does not fit into a sphere of {hollow} m; `outside = true` is the \
+                 other side"
+            );
+            return Err(self.low.report(place, message));
+        }
         Ok(Some(Curved::Shape(if sphere { Shape::Sphere { radius, side } } else { Shape::Cylinder { radius, side } })))
     }
 
@@ -145,7 +157,8 @@ impl<'g> Builder<'_, 'g> {
         let graph = self.low.graph;
         let own: Vec<usize> =
             self.places_of(name, ON_HEIGHT)?.iter().map(|&i| self.input_of(self.low.coordinates[i].q)).collect();
-        let rest = graph.substitute(&[graph.id(height)], |i| own.contains(&i).then_some(number(0.0)))[0];
+        // not zero, which would take factors with it
+        let rest = graph.substitute(&[graph.id(height)], |i| own.contains(&i).then_some(number(0.731)))[0];
         let Some(input) = self.depends(rest, Kinds::PARAMETER.not()) else { return Ok(()) };
         let place = element.get("height").map_or(element.place.clone(), |v| v.place.clone());
         let message = format!(
@@ -262,6 +275,7 @@ impl<'g> Builder<'_, 'g> {
             centre: Vector([0, 1, 2].map(|i| relative.distance(i)[0])),
             touching: Vector([0, 1, 2].map(|i| relative.distance(i)[0] + p[i].value.value)),
             normal: n,
+            point: Vector(patch.point.map(|row| row[0])),
             distance: patch.distance.map(|row| row[0]),
         });
         Ok(())
@@ -367,31 +381,52 @@ impl<'g> Builder<'_, 'g> {
         inputs
     }
 
-    /// By turns the place of the body for the normal, and the point of the ground below it.
+    /// The point of the ground goes along it to below the place of the body for its normal, by shorter steps where that goes
+    /// too far: a body that is flatter than the ground moves its place by more than the point.
     fn nearest(&self, touch: &Touch<'g>, inputs: &mut [f64], beside: &[f64; 3]) -> Option<Vec<f64>> {
         let graph = self.low.graph;
-        let slots: Vec<usize> = touch.places.iter().map(|&i| self.input_of(self.low.coordinates[i].q)).collect();
         let ids = |v: Vector<Expr<'g>>| v.0.map(|e| graph.id(e));
-        let distance = touch.distance.map(|d| graph.id(d));
         let centre = graph.eval(&ids(touch.centre), inputs);
-        let mut place = [0, 1, 2].map(|k| centre[k] + beside[k]);
-        let set = |inputs: &mut [f64], place: &[f64; 3]| slots.iter().zip(place).for_each(|(&s, x)| inputs[s] = *x);
-        for _ in 0..60 {
-            set(inputs, &place);
-            if let Some(distance) = distance {
-                let d = graph.eval(&[distance], inputs)[0];
-                let n = graph.eval(&ids(touch.normal), inputs);
-                place = [0, 1, 2].map(|k| place[k] - d * n[k]);
-                set(inputs, &place);
+        let (mut place, mut toward) = self.miss(touch, inputs, [0, 1, 2].map(|k| centre[k] + beside[k]))?;
+        let mut step = 1.0;
+        for _ in 0..500 {
+            let trial = [0, 1, 2].map(|k| place[k] + step * toward[k]);
+            match self.miss(touch, inputs, trial) {
+                Some((next, miss)) if miss.norm() < toward.norm() => (place, toward) = (next, miss),
+                _ if step < 1e-3 => break,
+                _ => step *= 0.5,
             }
-            let found = graph.eval(&ids(touch.touching), inputs);
-            if !found.iter().chain(&place).all(|x| x.is_finite()) {
-                return None;
-            }
-            place = [found[0], found[1], found[2]];
         }
+        let (place, _) = self.miss(touch, inputs, place)?;
+        Some(place[..touch.places.len()].to_vec())
+    }
+
+    /// The point of the ground at a place, and from there to the place of the body that its normal belongs to, along the
+    /// ground.
+    fn miss(&self, touch: &Touch<'g>, inputs: &mut [f64], mut place: [f64; 3]) -> Option<([f64; 3], Vector<f64>)> {
+        let graph = self.low.graph;
+        let ids = |v: Vector<Expr<'g>>| v.0.map(|e| graph.id(e));
+        let set = |inputs: &mut [f64], place: &[f64; 3]| {
+            for (&i, x) in touch.places.iter().zip(place) {
+                inputs[self.input_of(self.low.coordinates[i].q)] = *x;
+            }
+        };
         set(inputs, &place);
-        Some(place[..slots.len()].to_vec())
+        if let Some(distance) = touch.distance {
+            let d = graph.eval(&[graph.id(distance)], inputs)[0];
+            let n = graph.eval(&ids(touch.normal), inputs);
+            place = [0, 1, 2].map(|k| place[k] - d * n[k]);
+            set(inputs, &place);
+        }
+        let vector = |v: Vector<Expr<'g>>| {
+            let x = graph.eval(&ids(v), inputs);
+            Vector([x[0], x[1], x[2]])
+        };
+        let (n, at) = (vector(touch.normal), vector(touch.point));
+        let miss = vector(touch.touching) - at;
+        let miss = miss - n * n.dot(miss);
+        let is_finite = at.0.iter().chain(&miss.0).all(|x| x.is_finite());
+        is_finite.then_some((at.0, miss))
     }
 }
 
