@@ -143,6 +143,13 @@ fn show(model: &Model, result: &Run, files: &[PathBuf], all_rows: bool) -> Strin
     if let Some(residual) = r.constraint_velocity {
         let _ = writeln!(text, "constraints are kept to {residual:.1e}");
     }
+    if r.mode_changes > 0 {
+        let _ = writeln!(
+            text,
+            "contacts changed between rolling, sliding and free {}",
+            many(r.mode_changes as usize, "time")
+        );
+    }
     if r.repartitions > 0 {
         let _ = writeln!(text, "independent rates changed {}", many(r.repartitions as usize, "time"));
     }

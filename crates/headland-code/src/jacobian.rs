@@ -33,6 +33,7 @@ pub struct Jacobian<F> {
     rows: usize,
     col_ptr: Vec<usize>,
     row_index: Vec<usize>,
+    known: bool,
 }
 
 impl<F: Function> Jacobian<F> {
@@ -53,7 +54,8 @@ impl<F: Function> Jacobian<F> {
         }
         let row_index = entries.iter().map(|(row, _, _)| *row).collect();
         let values: Vec<NodeId> = entries.iter().map(|(_, _, e)| graph.id(*e)).collect();
-        Self { function: F::compile(graph, &values), rows: outputs.len(), col_ptr, row_index }
+        let known = graph.beyond_fields(&values).is_none();
+        Self { function: F::compile(graph, &values), rows: outputs.len(), col_ptr, row_index, known }
     }
 
     /// The values, in the order of [`row_index`](Self::row_index); its inputs are all inputs of the graph.
@@ -68,7 +70,14 @@ impl<F: Function> Jacobian<F> {
             rows: self.rows,
             col_ptr: self.col_ptr.clone(),
             row_index: self.row_index.clone(),
+            known: self.known,
         }
+    }
+
+    /// False where a value is NaN because a field has no derivative of that order
+    /// ([`Graph::beyond_fields`]); differences of the function must then stand for it.
+    pub fn is_known(&self) -> bool {
+        self.known
     }
 
     /// Number of rows: outputs.

@@ -5,8 +5,10 @@
 //! bit, and a run must not depend on how many points were evaluated together.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::sync::Arc;
 
-use headland_expr::{Scalar, Spline};
+use headland_expr::field::field_value;
+use headland_expr::{FIELD_PARTS, Field, Scalar, Spline};
 use wide::{f64x4, f64x8};
 
 /// A scalar that holds [`WIDTH`](Lanes::WIDTH) points.
@@ -141,6 +143,21 @@ macro_rules! lanes {
             }
             fn spline(self, table: &Spline, order: u8) -> Self {
                 self.map(|x| table.eval(x, order))
+            }
+            fn field(point: [Self; 3], field: &Arc<dyn Field>, part: usize) -> Self {
+                let [x, y, z] = point.map(|p| p.0.to_array());
+                let value = |i: usize| field_value(&**field, [x[i], y[i], z[i]], part);
+                Self($Simd::new(std::array::from_fn(value)))
+            }
+            fn field_parts(point: [Self; 3], field: &Arc<dyn Field>, order: usize, out: &mut [Self]) {
+                let [x, y, z] = point.map(|p| p.0.to_array());
+                let mut lanes = [[0.0; $width]; FIELD_PARTS[3]];
+                let mut parts = [0.0; FIELD_PARTS[3]];
+                for i in 0..$width {
+                    field.eval([x[i], y[i], z[i]], order, &mut parts[..FIELD_PARTS[order]]);
+                    lanes.iter_mut().zip(&parts).for_each(|(row, &part)| row[i] = part);
+                }
+                out.iter_mut().zip(lanes).for_each(|(out, row)| *out = Self($Simd::new(row)));
             }
             fn sin_cos(self) -> (Self, Self) {
                 let both = self.0.to_array().map(f64::sin_cos);

@@ -1,11 +1,13 @@
 //! [`lower`]: from a program's nodes to the steps of a tape, values still unlimited.
 //!
 //! Integer powers become multiplications in the order of `<f64 as Scalar>::powi`; sine and cosine of one argument
-//! become one step. Nothing is reassociated and nothing is contracted to a fused multiply-add.
+//! become one step, and so do all parts of a field at one point. Nothing is reassociated and nothing is contracted to a fused multiply-add.
 
 use std::sync::Arc;
 
-use headland_expr::{Op, Spline};
+use headland_expr::field::field_order;
+use headland_expr::graph::Node;
+use headland_expr::{FIELD_PARTS, Field, Op, Spline};
 use rustc_hash::FxHashMap;
 
 use crate::program::Program;
@@ -35,6 +37,8 @@ pub(crate) enum Code {
     Select,
     /// `dst` = table `b` at `a`
     Spline,
+    /// `dst` and what follows = parts of a field at `(a, b, c)`; `c` and the field are the operands of a second row
+    Field,
     /// `dst = a`
     Copy,
 }
@@ -42,20 +46,22 @@ pub(crate) enum Code {
 /// No value.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// One step; `dst` and `src` are values, each written once.
+/// One step; what it writes and reads are values, each written once.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Step {
     pub(crate) code: Code,
     pub(crate) op: Op,
-    pub(crate) dst: [u32; 2],
+    /// The first value written, and how many are.
+    pub(crate) dst: u32,
+    pub(crate) count: u8,
     pub(crate) src: [u32; 3],
-    /// Index of a table.
+    /// Index of a table or a field.
     pub(crate) table: u32,
 }
 
 impl Step {
     pub(crate) fn dst(&self) -> impl Iterator<Item = u32> + use<> {
-        self.dst.into_iter().filter(|&v| v != NONE)
+        self.dst..self.dst + u32::from(self.count)
     }
 }
 
@@ -69,13 +75,16 @@ pub(crate) struct Lowered {
     pub(crate) constants: Vec<(u32, f64)>,
     pub(crate) steps: Vec<Step>,
     pub(crate) tables: Vec<(Arc<Spline>, u8)>,
+    /// Fields, each with the order up to which it is evaluated.
+    pub(crate) fields: Vec<(Arc<dyn Field>, usize)>,
     /// The value of each output.
     pub(crate) outputs: Vec<u32>,
 }
 
 /// The steps of a program, in its order.
 pub(crate) fn lower(program: &Program) -> Lowered {
-    let mut lowering = Lowering { both: sine_and_cosine(program), ..Lowering::default() };
+    let (both, fields) = (sine_and_cosine(program), fields_at_points(program));
+    let mut lowering = Lowering { both, fields, ..Lowering::default() };
     let mut value = Vec::with_capacity(program.nodes.len());
     for node in &program.nodes {
         let operand = |k: usize| {
@@ -87,6 +96,7 @@ pub(crate) fn lower(program: &Program) -> Lowered {
             Op::Input => lowering.load(node.args[0]),
             Op::Powi => lowering.power(src[0], node.exponent()),
             Op::Spline => lowering.spline(src[0], &program.splines[node.args[1] as usize], node.args[2] as u8),
+            Op::Field => lowering.field(node, &program.fields[usize::from(node.field)], src),
             Op::Sin if lowering.both.contains_key(&node.args[0]) => lowering.sin_cos(node.args[0], src[0])[0],
             Op::Cos if lowering.both.contains_key(&node.args[0]) => lowering.sin_cos(node.args[0], src[0])[1],
             op => lowering.step(code(op), op, src),
@@ -120,11 +130,28 @@ fn sine_and_cosine(program: &Program) -> FxHashMap<u32, Option<[u32; 2]>> {
     both
 }
 
+/// What a field's step is told by: its point and the field.
+type FieldAt = ([u32; 3], u16);
+
+/// The highest order at which each field is needed at each point.
+fn fields_at_points(program: &Program) -> FxHashMap<FieldAt, (usize, Option<u32>)> {
+    let mut found: FxHashMap<FieldAt, (usize, Option<u32>)> = FxHashMap::default();
+    for node in program.nodes.iter().filter(|node| node.op == Op::Field) {
+        if let Some(order) = field_order(usize::from(node.part)) {
+            let (highest, _) = found.entry((node.args, node.field)).or_default();
+            *highest = order.max(*highest);
+        }
+    }
+    found
+}
+
 #[derive(Default)]
 struct Lowering {
     out: Lowered,
     /// Values of sine and cosine once computed.
     both: FxHashMap<u32, Option<[u32; 2]>>,
+    /// Order up to which a field is evaluated at a point, and the first of its values once computed.
+    fields: FxHashMap<FieldAt, (usize, Option<u32>)>,
     numbers: FxHashMap<u64, u32>,
     /// Products that powers have in common.
     products: FxHashMap<[u32; 2], u32>,
@@ -132,13 +159,18 @@ struct Lowering {
 
 impl Lowering {
     fn value(&mut self) -> u32 {
-        self.out.values += 1;
-        self.out.values - 1
+        self.values(1)
+    }
+
+    /// The first of so many new values.
+    fn values(&mut self, count: u8) -> u32 {
+        self.out.values += u32::from(count);
+        self.out.values - u32::from(count)
     }
 
     fn step(&mut self, code: Code, op: Op, src: [u32; 3]) -> u32 {
         let dst = self.value();
-        self.out.steps.push(Step { code, op, dst: [dst, NONE], src, table: 0 });
+        self.out.steps.push(Step { code, op, dst, count: 1, src, table: 0 });
         dst
     }
 
@@ -175,10 +207,32 @@ impl Lowering {
         if let Some(&Some(values)) = self.both.get(&node) {
             return values;
         }
-        let values = [self.value(), self.value()];
-        self.out.steps.push(Step { code: Code::SinCos, op: Op::Sin, dst: values, src: [x, NONE, NONE], table: 0 });
-        self.both.insert(node, Some(values));
-        values
+        let dst = self.values(2);
+        self.out.steps.push(Step { code: Code::SinCos, op: Op::Sin, dst, count: 2, src: [x, NONE, NONE], table: 0 });
+        self.both.insert(node, Some([dst, dst + 1]));
+        [dst, dst + 1]
+    }
+
+    /// One part; the first that is met at a point computes all that are needed there.
+    fn field(&mut self, node: &Node, field: &Arc<dyn Field>, src: [u32; 3]) -> u32 {
+        let (part, at) = (usize::from(node.part), (node.args, node.field));
+        if field_order(part).is_none() {
+            return self.constant(f64::NAN);
+        }
+        let (order, first) = self.fields[&at];
+        let first = first.unwrap_or_else(|| {
+            let known = self.out.fields.iter().position(|(f, o)| Arc::ptr_eq(f, field) && *o == order);
+            let index = known.unwrap_or_else(|| {
+                self.out.fields.push((field.clone(), order));
+                self.out.fields.len() - 1
+            });
+            let count = FIELD_PARTS[order] as u8;
+            let dst = self.values(count);
+            self.out.steps.push(Step { code: Code::Field, op: Op::Field, dst, count, src, table: index as u32 });
+            self.fields.insert(at, (order, Some(dst)));
+            dst
+        });
+        first + part as u32
     }
 
     fn product(&mut self, a: u32, b: u32) -> u32 {

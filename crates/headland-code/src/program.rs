@@ -6,15 +6,16 @@ use std::sync::Arc;
 
 use headland_expr::graph::Node;
 use headland_expr::ops::apply;
-use headland_expr::{Expr, Graph, NodeId, Op, Scalar, Spline};
+use headland_expr::{Expr, Field, Graph, NodeId, Op, Scalar, Spline};
 
 /// Nodes in evaluation order, each needed by an output; `args` are positions in this program.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Program {
     pub(crate) inputs: usize,
     pub(crate) nodes: Vec<Node>,
     pub(crate) numbers: Vec<f64>,
     pub(crate) splines: Vec<Arc<Spline>>,
+    pub(crate) fields: Vec<Arc<dyn Field>>,
     pub(crate) outputs: Vec<u32>,
 }
 
@@ -39,6 +40,7 @@ impl Program {
             needed.iter().map(|n| n.map(|(_, node)| node)),
             |position, _| number(needed[position].map(|(id, _)| id)),
             |table| graph.spline(table),
+            |field| graph.field(field),
             outputs.iter().map(|id| id.index()),
         )
     }
@@ -61,6 +63,7 @@ impl Program {
             needed.iter().zip(&self.nodes).map(|(needed, node)| needed.then_some(*node)),
             |_, index| self.numbers[index as usize],
             |table| self.splines[table as usize].clone(),
+            |field| self.fields[usize::from(field)].clone(),
             keep.iter().map(|&k| self.outputs[k] as usize),
         )
     }
@@ -94,6 +97,10 @@ impl Program {
                 Op::Input => x[node.args[0] as usize],
                 Op::Powi => get(0).powi(node.exponent()),
                 Op::Spline => get(0).spline(&self.splines[node.args[1] as usize], node.args[2] as u8),
+                Op::Field => {
+                    let point = [get(0), get(1), get(2)];
+                    S::field(point, &self.fields[usize::from(node.field)], usize::from(node.part))
+                }
                 op => apply(op, get(0), get(1), get(2)),
             });
         }
@@ -101,18 +108,19 @@ impl Program {
     }
 }
 
-/// Renumbers the nodes that are there; `number(position, index)` and `spline(index)` look up the immediates.
+/// Renumbers the nodes that are there; `number(position, index)`, `spline(index)` and `field(index)` look up the immediates.
 fn pack(
     inputs: usize,
     nodes: impl ExactSizeIterator<Item = Option<Node>>,
     number: impl Fn(usize, u32) -> f64,
     spline: impl Fn(u32) -> Arc<Spline>,
+    field: impl Fn(u16) -> Arc<dyn Field>,
     outputs: impl Iterator<Item = usize>,
 ) -> Program {
     let mut place = vec![u32::MAX; nodes.len()];
     let mut tables: Vec<u32> = Vec::new(); // index of before
-    let mut packed =
-        Program { inputs, nodes: Vec::new(), numbers: Vec::new(), splines: Vec::new(), outputs: Vec::new() };
+    let mut fields: Vec<u16> = Vec::new(); // the same
+    let mut packed = Program { inputs, ..Program::default() };
     for (i, node) in nodes.enumerate() {
         let Some(mut node) = node else { continue };
         for k in 0..node.op.arity() {
@@ -131,6 +139,15 @@ fn pack(
                     tables.len() - 1
                 });
                 node.args[1] = table as u32;
+            }
+            Op::Field => {
+                let known = fields.iter().position(|&field| field == node.field);
+                let index = known.unwrap_or_else(|| {
+                    fields.push(node.field);
+                    packed.fields.push(field(node.field));
+                    fields.len() - 1
+                });
+                node.field = index as u16;
             }
             _ => {}
         }

@@ -6,8 +6,10 @@
 //! }
 //! ```
 
+use std::sync::{Arc, LazyLock};
+
 use headland_expr::ops::{OPS, apply};
-use headland_expr::{Expr, Graph, NodeId, Op, Scalar, Spline};
+use headland_expr::{Expr, Field, Graph, NodeId, Op, Scalar, Spline, Wave};
 
 use crate::function::{Evaluator, Function};
 
@@ -149,7 +151,7 @@ fn operation<'g>(random: &mut Random, mix: Mix, e: [Expr<'g>; 3], x: [f64; 3]) -
     let op = if mix == Mix::Arithmetic || random.below(2) == 0 {
         ARITHMETIC[random.below(ARITHMETIC.len())]
     } else {
-        match random.below(OPS.len() + 3) {
+        match random.below(OPS.len() + 4) {
             0 => {
                 let n = random.below(11) as i32 - 4;
                 return (e[0].powi(n), Scalar::powi(x[0], n));
@@ -163,13 +165,27 @@ fn operation<'g>(random: &mut Random, mix: Mix, e: [Expr<'g>; 3], x: [f64; 3]) -
                 let ((sin, cos), (s, c)) = (e[0].sin_cos(), x[0].sin_cos());
                 return (sin * e[1] + cos, s * x[1] + c);
             }
-            row => OPS[row - 3].op,
+            3 => {
+                // Two parts at one point, a derivative left for a Jacobian.
+                let (field, parts) = (wave(), [random.below(10), random.below(10)]);
+                let expr = parts.map(|part| Expr::field(e, &field, part));
+                let number = parts.map(|part| f64::field(x, &field, part));
+                return (expr[0] + expr[1], number[0] + number[1]);
+            }
+            row => OPS[row - 4].op,
         }
     };
     if mix != Mix::All && CORNERS.contains(&op) {
         return (e[0] + e[1], x[0] + x[1]);
     }
     (apply(op, e[0], e[1], e[2]), apply(op, x[0], x[1], x[2]))
+}
+
+/// A field, the same one always.
+fn wave() -> Arc<dyn Field> {
+    static WAVE: LazyLock<Arc<dyn Field>> =
+        LazyLock::new(|| Arc::new(Wave { name: "wave".into(), rate: [0.7, -1.1, 0.4], phase: [0.1, 1.3, -0.6] }));
+    WAVE.clone()
 }
 
 /// Those that no other needs.

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use headland_expr::ops::apply;
-use headland_expr::{Graph, NodeId, Op, Scalar, Spline};
+use headland_expr::{FIELD_PARTS, Field, Graph, NodeId, Op, Scalar, Spline};
 
 use crate::function::{Evaluator, Function};
 use crate::group::group;
@@ -16,7 +16,8 @@ use crate::program::Program;
 ///
 /// The slots of an evaluator are inputs, constants, outputs and temporaries in one array, so that every operand is an
 /// index and an output needs no copy. Equal instructions stand side by side and are interpreted in runs. A constant is
-/// a slot that is filled once, so no instruction needs a form with a number in it. Memory: 16 bytes a node of the
+/// a slot that is filled once, so no instruction needs a form with a number in it. A field is evaluated once a point, its
+/// value and derivatives side by side in slots of their own. Memory: 16 bytes a node of the
 /// graph, 6 bytes an instruction (12 beyond 65 536 slots); compiling is linear in the operations.
 ///
 /// No multiplication is contracted with an addition: a fused multiply-add rounds once where the graph rounds
@@ -34,9 +35,9 @@ impl TapeFunction {
         Self { tape: Arc::new(Tape::new(lowered)), program: Arc::new(program) }
     }
 
-    /// Number of instructions: powers are spelled out, sine with cosine is one.
+    /// Number of instructions: powers are spelled out, sine with cosine is one, a field with its derivatives is one.
     pub fn instructions(&self) -> usize {
-        let rows_each = |run: &Run| if run.code == Code::Select { 2 } else { 1 };
+        let rows_each = |run: &Run| if matches!(run.code, Code::Select | Code::Field) { 2 } else { 1 };
         self.tape.runs.iter().map(|run| (run.end - run.start) as usize / rows_each(run)).sum()
     }
 
@@ -137,7 +138,7 @@ enum Rows {
     Long(Vec<Row<u32>>),
 }
 
-/// Slots are, in this order: the inputs that are needed, constants, outputs, temporaries.
+/// Slots are, in this order: the inputs that are needed, constants, outputs, parts of fields, temporaries.
 #[derive(Debug)]
 struct Tape {
     runs: Vec<Run>,
@@ -148,7 +149,16 @@ struct Tape {
     /// Slots that hold a number from the start.
     constants: Vec<(u32, f64)>,
     outputs: Range<usize>,
+    immediates: Immediates,
+}
+
+/// What an instruction may refer to beside slots.
+#[derive(Debug)]
+struct Immediates {
+    /// Tables, each with the order of the derivative.
     tables: Vec<(Arc<Spline>, u8)>,
+    /// Fields, each with the order up to which it is evaluated.
+    fields: Vec<(Arc<dyn Field>, usize)>,
 }
 
 impl Tape {
@@ -166,13 +176,15 @@ impl Tape {
         for run in &mut runs {
             (run.start, run.end) = (count - run.end, count - run.start);
         }
-        let rows = if slots.max(lowered.tables.len() as u32) <= 1 << 16 {
+        let immediates = Immediates { tables: lowered.tables, fields: lowered.fields };
+        let most = immediates.tables.len().max(immediates.fields.len());
+        let rows = if most.max(slots as usize) <= 1 << 16 {
             Rows::Short(rows.iter().map(|row| row.map(|slot| slot as u16)).collect())
         } else {
             Rows::Long(rows)
         };
         let loads = lowered.loads.iter().map(|&(_, input)| input).collect();
-        Self { runs, rows, slots: slots as usize, loads, constants, outputs, tables: lowered.tables }
+        Self { runs, rows, slots: slots as usize, loads, constants, outputs, immediates }
     }
 
     fn new_slots<S: Scalar>(&self) -> Vec<S> {
@@ -202,8 +214,8 @@ impl Tape {
 
     fn run<S: Scalar>(&self, slots: &mut [S]) {
         match &self.rows {
-            Rows::Short(rows) => run(&self.runs, rows, &self.tables, slots),
-            Rows::Long(rows) => run(&self.runs, rows, &self.tables, slots),
+            Rows::Short(rows) => run(&self.runs, rows, &self.immediates, slots),
+            Rows::Long(rows) => run(&self.runs, rows, &self.immediates, slots),
         }
     }
 }
@@ -226,7 +238,8 @@ impl Slot for u32 {
 }
 
 /// The interpreter: one for numbers and lanes, one decision a run.
-fn run<S: Scalar, I: Slot>(runs: &[Run], rows: &[Row<I>], tables: &[(Arc<Spline>, u8)], s: &mut [S]) {
+fn run<S: Scalar, I: Slot>(runs: &[Run], rows: &[Row<I>], immediates: &Immediates, s: &mut [S]) {
+    let Immediates { tables, fields } = immediates;
     for run in runs {
         let rows = &rows[run.start as usize..run.end as usize];
         match run.code {
@@ -238,6 +251,14 @@ fn run<S: Scalar, I: Slot>(runs: &[Run], rows: &[Row<I>], tables: &[(Arc<Spline>
             Code::Copy => each(rows, |[y, a, _]| s[y] = s[a]),
             Code::SinCos => each(rows, |[y, a, b]| (s[y], s[b]) = s[a].sin_cos()),
             Code::Spline => each(rows, |[y, a, b]| s[y] = s[a].spline(&tables[b].0, tables[b].1)),
+            Code::Field => {
+                for pair in rows.chunks_exact(2) {
+                    let ([y, a, b], [_, c, field]) = (pair[0].map(I::index), pair[1].map(I::index));
+                    let (field, order) = &fields[field];
+                    let point = [s[a], s[b], s[c]];
+                    S::field_parts(point, field, *order, &mut s[y..y + FIELD_PARTS[*order]]);
+                }
+            }
             Code::Select => {
                 for pair in rows.chunks_exact(2) {
                     let ([y, a, b], [_, cond, _]) = (pair[0].map(I::index), pair[1].map(I::index));
@@ -265,6 +286,8 @@ struct Allocator {
     free: Vec<u32>,
     constants: Vec<(u32, f64)>,
     outputs: Range<usize>,
+    /// First slot that may be given to one value after another.
+    shared: u32,
     /// First slot never used.
     end: u32,
     /// The code, last instruction first.
@@ -273,7 +296,7 @@ struct Allocator {
 }
 
 impl Allocator {
-    /// Inputs, constants and outputs placed; they keep their slots.
+    /// Inputs, constants, outputs and parts of fields placed; they keep their slots.
     fn new(lowered: &Lowered) -> Self {
         let mut slot = vec![NONE; lowered.values as usize];
         let mut end = 0;
@@ -285,8 +308,14 @@ impl Allocator {
         lowered.constants.iter().for_each(|&(value, _)| place(value));
         let outputs = end as usize..end as usize + lowered.outputs.len();
         let constants = lowered.constants.iter().map(|&(value, x)| (slot[value as usize], x)).collect();
-        let end = outputs.end as u32;
-        Self { slot, free: Vec::new(), constants, outputs, end, runs: Vec::new(), rows: Vec::new() }
+        let mut end = outputs.end as u32;
+        for step in lowered.steps.iter().filter(|step| step.code == Code::Field) {
+            for value in step.dst() {
+                slot[value as usize] = end;
+                end += 1;
+            }
+        }
+        Self { slot, free: Vec::new(), constants, outputs, shared: end, end, runs: Vec::new(), rows: Vec::new() }
     }
 
     /// Places each output where it is read; what already has a place (an input, an output seen before) is copied there,
@@ -306,20 +335,23 @@ impl Allocator {
     }
 
     fn instruction(&mut self, step: &Step) {
-        let dst = step.dst.map(|value| if value == NONE { NONE } else { self.used(value) });
+        let first = self.used(step.dst);
+        let last = self.used(step.dst + u32::from(step.count) - 1);
         // The results' slots are free before the step, so an operand may have one: operands are read first.
-        self.free.extend(dst.into_iter().filter(|&slot| slot != NONE && slot as usize >= self.outputs.end));
+        let results: &[u32] = if step.count == 1 { &[first] } else { &[first, last] };
+        self.free.extend(results.iter().filter(|&&slot| slot >= self.shared));
         let [a, b, c] = step.src.map(|value| if value == NONE { NONE } else { self.used(value) });
-        let y = dst[0];
+        let y = first;
         match step.code {
             Code::Select => self.push(step.code, step.op, &[[y, a, y], [y, b, c]]),
-            Code::SinCos => self.push(step.code, step.op, &[[y, a, dst[1]]]),
+            Code::SinCos => self.push(step.code, step.op, &[[y, a, last]]),
+            Code::Field => self.push(step.code, step.op, &[[y, c, step.table], [y, a, b]]),
             Code::Spline => self.push(step.code, step.op, &[[y, a, step.table]]),
             _ => self.push(step.code, step.op, &[[y, a, if b == NONE { a } else { b }]]),
         }
     }
 
-    /// Before the last one written, to which it joins if it is of the same kind.
+    /// Before the last one written, to which it joins if it is of the same kind; the last of its rows will stand first.
     fn push(&mut self, code: Code, op: Op, rows: &[Row<u32>]) {
         let start = self.rows.len() as u32;
         self.rows.extend(rows);

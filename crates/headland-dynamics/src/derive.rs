@@ -2,14 +2,15 @@
 
 use headland_expr::{Dual, Expr, NodeId};
 use headland_model::tree::JointTree;
-use headland_model::{Body, Derived, ElementKind, LinearSolver, Model, StructureForm};
+use headland_model::{Body, Derived, ElementKind, LinearSolver, Mode, Model, StructureForm};
 
 use crate::combine::{MOST_VELOCITIES, derive_combined, does_not_apply};
 use crate::compare::compare_derivations;
 use crate::direct::{MassForm, derive_direct};
 use crate::energy::{Energies, form_energies};
 use crate::error::DeriveError;
-use crate::initial::assemble;
+use crate::friction::close_friction;
+use crate::initial::{assemble, check_defined};
 use crate::kinematics::{Kinematics, by_quasi_velocities, solve_kinematics, velocity_inputs};
 use crate::reactions::form_derived;
 use crate::recursive::{accelerations, derive_recursive, joint_forces, tree_of};
@@ -68,6 +69,8 @@ pub struct Equations {
     pub structure_matrix: Vec<Vec<NodeId>>,
     /// Energies and powers.
     pub energies: Energies,
+    /// Matrix of the normal forces of sliding contacts, row by row: its determinant must stay positive.
+    pub friction_pivots: Vec<NodeId>,
     /// Values of the model's derived quantities, by u′.
     pub derived: Vec<NodeId>,
     /// Which solver of `M u′ = F`.
@@ -98,10 +101,18 @@ pub fn derive_at(model: &Model, inputs: &[f64], options: &DeriveOptions) -> Resu
     let kinematics = solve_kinematics(model, inputs, &mass_diagonal)?;
     let n = kinematics.quasi.len();
     let tree = tree_of(model, &kinematics);
-    let recursive = tree.filter(|_| n > options.unroll && options.algorithm == Algorithm::Cheaper);
-    let tells_reactions = model.derived.iter().any(|d| matches!(d.what, Derived::Reaction(_)));
+    let slides = model.contacts.iter().any(|c| c.mode == Mode::Sliding && c.friction.is_some());
+    let recursive = tree.filter(|_| n > options.unroll && options.algorithm == Algorithm::Cheaper && !slides);
+    let tells_reactions = model.derived.iter().any(|d| matches!(d.what, Derived::Reaction(_) | Derived::Contact(..)));
     let compared = options.compare && n <= MOST_VELOCITIES;
     let structures = form_structures(model, &kinematics, recursive.is_none() || tells_reactions || compared)?;
+    let ids = |es: &[Expr<'_>]| -> Vec<NodeId> { es.iter().map(|e| graph.id(*e)).collect() };
+    check_fields(model, "the rates", &[&kinematics.velocities, &kinematics.drift, &kinematics.rates])?;
+    check_fields(
+        model,
+        "the forces and inertias",
+        &[ids(&structures.bias), ids(&structures.force), ids(&structures.inertia)],
+    )?;
     check_scalar_inertia(model, &kinematics, &structures)?;
     let tau = tree.map(|_| joint_forces(model, &kinematics, &structures));
     let chosen = match recursive {
@@ -118,7 +129,7 @@ pub fn derive_at(model: &Model, inputs: &[f64], options: &DeriveOptions) -> Resu
     let by_bodies = tree.zip(tau).filter(|_| solver == LinearSolver::Ldl);
     let by_bodies = by_bodies.map(|(tree, tau)| accelerations(model, &kinematics, tree, &tau));
     let by_bodies = by_bodies.map(|es| es.into_iter().map(|e| graph.id(e)).collect::<Vec<_>>());
-    let solved = (n <= options.unroll || is_sparse(&chosen.form.m, n)).then(|| {
+    let solved = (n <= options.unroll || slides || is_sparse(&chosen.form.m, n)).then(|| {
         let mut f = chosen.form.f.clone();
         match solver {
             _ if is_diagonal(&chosen.form.m, n) => {
@@ -133,10 +144,11 @@ pub fn derive_at(model: &Model, inputs: &[f64], options: &DeriveOptions) -> Resu
         (Some(a), Some(b)) => Some(if graph.operations(&a) < graph.operations(&b) { a } else { b }),
         (a, b) => a.or(b),
     };
-    let ids = |es: &[Expr<'_>]| -> Vec<NodeId> { es.iter().map(|e| graph.id(*e)).collect() };
+    check_fields(model, "the equations of motion", &[&ids(&chosen.form.m), &ids(&chosen.form.f)])?;
     let g = by_quasi_velocities(model, &kinematics.quasi, &kinematics.velocities);
     let energies = form_energies(model, &kinematics, &structures);
-    Ok(Equations {
+    let mut equations = Equations {
+        friction_pivots: Vec::new(),
         derived: form_derived(model, &kinematics, &structures, &energies),
         g,
         mass: ids(&chosen.form.m),
@@ -151,7 +163,15 @@ pub fn derive_at(model: &Model, inputs: &[f64], options: &DeriveOptions) -> Resu
         why: chosen.why,
         difference: chosen.difference,
         kinematics,
-    })
+    };
+    close_friction(model, &mut equations);
+    Ok(equations)
+}
+
+/// Refuses derivatives that fields do not have, before they are met as NaN.
+fn check_fields(model: &Model, what: &'static str, nodes: &[impl AsRef<[NodeId]>]) -> Result<(), DeriveError> {
+    let missing = nodes.iter().find_map(|nodes| model.graph.beyond_fields(nodes.as_ref()));
+    missing.map_or(Ok(()), |field| Err(DeriveError::BeyondField { what, field: field.name().into() }))
 }
 
 /// The coordinates whose rates would be eliminated at the given inputs of the graph, in the order of elimination.
@@ -255,6 +275,7 @@ fn check_mass(model: &Model, kinematics: &Kinematics, form: &MassForm<'_>, input
     let mut m = graph.eval(&ids, inputs);
     let diagonal: Vec<f64> = (0..n).map(|i| m[packed(i, i)]).collect();
     if let Some(k) = m.iter().position(|x| !x.is_finite()) {
+        check_defined(model, inputs)?;
         let name = first_not_finite(model, &[], inputs).unwrap_or(format!("entry {k} of the mass matrix"));
         return Err(DeriveError::NotFinite { name, value: m[k] });
     }
@@ -262,6 +283,7 @@ fn check_mass(model: &Model, kinematics: &Kinematics, form: &MassForm<'_>, input
     for i in 0..n {
         let pivot = m[packed(i, i)];
         if pivot.is_nan() || pivot <= 1e-13 * diagonal[i].abs() {
+            check_defined(model, inputs)?;
             return Err(DeriveError::SingularMass { name: kinematics.quasi[i].name.clone(), pivot });
         }
     }
@@ -336,5 +358,31 @@ impl Equations {
             self.kinematics.constraints,
             p
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use headland_expr::{Field, Scalar, Wave, field_part};
+    use headland_model::Scene;
+
+    use super::*;
+
+    #[test]
+    fn derivatives_that_a_field_does_not_have_are_refused() {
+        let mut scene = Scene::new("particle");
+        scene.entry("coordinates", "x", "m").entry("initial", "x", 0.0).entry("initial", "x'", 0.0);
+        scene.element("inertia", &[("name", "m"), ("value", "2 kg"), ("geometric", "x")]);
+        let model = scene.build().expect("a right scene");
+        let graph = &model.graph;
+        let field: Arc<dyn Field> = Arc::new(Wave { name: "road".into(), rate: [1.0; 3], phase: [0.0; 3] });
+        let x = graph.expr(model.coordinates[0].q);
+        let third = graph.id(Expr::field([x, x, x], &field, field_part(1, 1, 1)).sin());
+        assert!(check_fields(&model, "the rates", &[[third]]).is_ok());
+        let fourth = graph.id(graph.gradient(third, &[model.coordinates[0].q])[0]);
+        let error = check_fields(&model, "the rates", &[vec![third], vec![fourth]]).expect_err("of fourth order");
+        assert!(matches!(&error, DeriveError::BeyondField { what: "the rates", field } if field == "road"), "{error}");
     }
 }

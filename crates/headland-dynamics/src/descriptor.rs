@@ -146,6 +146,7 @@ fn without_elimination(
         structure_rates: ids(&structures.rate),
         structure_matrix: structures.w.iter().map(|row| ids(row)).collect(),
         energies,
+        friction_pivots: Vec::new(),
         derived: Vec::new(),
         linear_solver: model.run.linear_solver,
         algorithm: "descriptor",
@@ -244,6 +245,18 @@ fn derived<'g>(
         Derived::Kinetic => alone(energies.kinetic),
         Derived::Potential => alone(energies.potential),
         Derived::Power(name) => alone(energies.powers.iter().find(|(n, _)| n == name).map_or(zero, |(_, node)| *node)),
+        Derived::Contact(k, axis) => {
+            let contact = &model.contacts[*k];
+            let along = |i: usize| match axis {
+                Some(axis) => Expr::Const(if i == *axis { 1.0 } else { 0.0 }),
+                None => graph.expr(contact.normal[i]),
+            };
+            let normal = contact.normal.map(|n| graph.expr(n));
+            let pressing = (0..3).fold(Expr::Const(0.0), |sum, i| sum + along(i) * normal[i]);
+            let rows = contact.gap_row.map(|row| (row, pressing)).into_iter();
+            let rows = rows.chain(contact.slip_rows.iter().map(|(row, i)| (*row, along(*i))));
+            ByMultipliers { own: zero, parts: rows.filter_map(|(row, a)| Some((place(row)?, graph.id(a)))).collect() }
+        }
         Derived::Reaction(reaction) => {
             let own = reaction.rows.iter().map(|(row, w)| graph.expr(*w) * row_balance[*row]);
             let own = graph.id(own.fold(Expr::Const(0.0), |sum, e| sum + e));

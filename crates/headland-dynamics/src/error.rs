@@ -83,6 +83,14 @@ pub enum DeriveError {
         /// Its value.
         value: f64,
     },
+    /// The start is where the equations are not defined.
+    #[error("{message}")]
+    Undefined {
+        /// What is wrong, and what helps.
+        message: String,
+        /// Where the scene says so.
+        place: Place,
+    },
     /// Too few initial rates for the quasi-velocities.
     #[error(
         "too few initial values: the initial rates given ({given}) do not determine {missing}; give one of {candidates}"
@@ -96,9 +104,12 @@ pub enum DeriveError {
         candidates: String,
     },
     /// Constraints on positions that no position near the start fulfils.
-    #[error("the start cannot be assembled; left of the constraints after moving every coordinate: {rows}")]
+    #[error(
+        "the start cannot be assembled. Constraints that cannot hold together near it, with what is left of each where all \
+         are nearest to it: {rows}"
+    )]
     CannotAssemble {
-        /// The constraints that are furthest from fulfilled, with what is left.
+        /// The constraints that conflict, one set after the other, with what is left of them.
         rows: String,
     },
     /// Initial rates that contradict the constraints.
@@ -126,6 +137,17 @@ pub enum DeriveError {
         /// By algorithm [9].
         combined: f64,
     },
+    /// A derivative of a surface or table that it does not have.
+    #[error(
+        "{what} need a derivative of `{field}` of fourth or higher order, which it does not have: what is made of its \
+         derivatives can be differentiated once less"
+    )]
+    BeyondField {
+        /// What needs it.
+        what: &'static str,
+        /// The field.
+        field: String,
+    },
     /// Algorithm [9] was asked for but does not apply.
     #[error("algorithm `combine` does not apply: {reason}")]
     CombineDoesNotApply {
@@ -146,6 +168,7 @@ impl DeriveError {
         };
         match self {
             Self::ScalarInertia { name, .. } => element(name),
+            Self::Undefined { place, .. } => Some(place.clone()),
             Self::SingularConstraint { name, .. } => row(name),
             Self::CannotAssemble { rows } => row(rows.split('`').nth(1)?),
             Self::SingularMass { name, .. } | Self::InconsistentStart { name, .. } => state(name),

@@ -1,6 +1,8 @@
 //! Initial values: coordinates as given or as the constraints on positions want them, quasi-velocities from the initial
 //! rates and the constraints.
 
+mod conflict;
+
 use headland_expr::NodeId;
 use headland_model::Model;
 use nalgebra::{DMatrix, DVector};
@@ -42,7 +44,7 @@ pub struct Moved {
 /// to be moved for that. Coordinates that were not given are found; others move only if that does not suffice.
 ///
 /// # Errors
-/// [`DeriveError::CannotAssemble`] names the constraints that are furthest from fulfilled.
+/// [`DeriveError::CannotAssemble`] names the constraints that conflict.
 pub fn assemble(model: &Model) -> Result<(Vec<f64>, Vec<Moved>), DeriveError> {
     let start = start_inputs(model);
     let positions = Positions::new(model);
@@ -69,7 +71,10 @@ pub fn assemble(model: &Model) -> Result<(Vec<f64>, Vec<Moved>), DeriveError> {
             break;
         }
     }
-    let Some(inputs) = found else { return Err(positions.furthest(&start)) };
+    let inputs = match found {
+        Some(inputs) => inputs,
+        None => conflict::nearest(&positions, &start)?,
+    };
     let moved = model.coordinates.iter().filter(|c| c.initial.is_some()).filter_map(|c| {
         let slot = model.input_index(c.q);
         let (from, to) = (start[slot], inputs[slot]);
@@ -103,10 +108,14 @@ impl<'m> Positions<'m> {
         Self { model, rows, names, entries }
     }
 
+    /// `φ` at the given inputs.
+    fn values(&self, inputs: &[f64]) -> Vec<f64> {
+        self.model.graph.eval(&self.rows, inputs)
+    }
+
     /// Largest residual.
     pub fn residual(&self, inputs: &[f64]) -> f64 {
-        let values = self.model.graph.eval(&self.rows, inputs);
-        values.into_iter().fold(0.0, |worst, x| if x.is_nan() { x } else { worst.max(x.abs()) })
+        self.values(inputs).into_iter().fold(0.0, |worst, x| if x.is_nan() { x } else { worst.max(x.abs()) })
     }
 
     /// Newton's method with least changes of the given coordinates; false if it does not converge.
@@ -154,29 +163,13 @@ impl<'m> Positions<'m> {
         }
         jacobian
     }
-
-    /// The constraints that cannot be fulfilled together.
-    fn furthest(&self, start: &[f64]) -> DeriveError {
-        let mut inputs = start.to_vec();
-        let all: Vec<usize> = (0..self.model.coordinates.len()).collect();
-        self.solve(&mut inputs, &all, false);
-        let mut left: Vec<(f64, &str)> = self
-            .model
-            .graph
-            .eval(&self.rows, &inputs)
-            .into_iter()
-            .zip(&self.names)
-            .map(|(x, n)| (x.abs(), *n))
-            .collect();
-        left.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let rows = left.iter().take(6).filter(|(x, _)| *x > 1e-10 || x.is_nan());
-        let rows: Vec<String> = rows.map(|(x, name)| format!("`{name}` by {x:.3}")).collect();
-        DeriveError::CannotAssemble { rows: rows.join(", ") }
-    }
 }
 
 /// `Σ v σ/(σ² + damping) u·b` over the singular values above the limit.
 fn damped_solution(a: DMatrix<f64>, b: &DVector<f64>, limit: f64, damping: f64) -> Option<DVector<f64>> {
+    if a.iter().chain(b.iter()).any(|x| !x.is_finite()) {
+        return None;
+    }
     let svd = a.svd(true, true);
     let (u, v_t) = (svd.u.as_ref()?, svd.v_t.as_ref()?);
     let mut x = DVector::zeros(v_t.ncols());
@@ -194,6 +187,7 @@ fn damped_solution(a: DMatrix<f64>, b: &DVector<f64>, limit: f64, damping: f64) 
 /// Rates that do not determine the motion, or that contradict the constraints or each other.
 pub fn initial_velocities(model: &Model, kinematics: &Kinematics) -> Result<Vec<f64>, DeriveError> {
     let inputs = &assemble(model)?.0;
+    check_defined(model, inputs)?;
     let (g, drift) = kinematic_matrices(model, kinematics, inputs);
     let mut u: Vec<f64> = kinematics.quasi.iter().map(|u| inputs[model.input_index(u.u)]).collect();
     let free: Vec<usize> = (0..u.len()).filter(|&k| kinematics.quasi[k].chosen).collect();
@@ -232,6 +226,14 @@ pub fn initial_velocities(model: &Model, kinematics: &Kinematics) -> Result<Vec<
         }
     }
     Ok(u)
+}
+
+/// Refuses a state at which the equations are not defined.
+pub(crate) fn check_defined(model: &Model, inputs: &[f64]) -> Result<(), DeriveError> {
+    match model.hazard(inputs) {
+        None => Ok(()),
+        Some(h) => Err(DeriveError::Undefined { message: h.message.clone(), place: h.place.clone() }),
+    }
 }
 
 /// Velocities that the start gives: rates of coordinates and velocities of joints.

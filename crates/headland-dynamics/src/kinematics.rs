@@ -110,13 +110,19 @@ pub fn solve_kinematics(model: &Model, inputs: &[f64], mass: &[f64]) -> Result<K
         solved.velocities.iter().zip(&all).map(|(v, (input, _))| v.unwrap_or(*input)).collect();
     let rates = velocities[..model.coordinates.len()].to_vec();
     check_linear(model, &quasi, &velocities)?;
-    if quasi.is_empty() {
+    if quasi.is_empty() && !is_driven(model, &nodes) {
         return Err(DeriveError::NoFreedom { coordinates: rates.len(), constraints: model.kinematics.len() });
     }
     let drift = drift(model, &velocities, &solved);
     let constraints = rates.len().saturating_sub(quasi.len());
     let (dependent, redundant, factors) = (solved.dependent, solved.redundant, Arc::new(solved.factors));
     Ok(Kinematics { quasi, rates, velocities, drift, dependent, constraints, mass: mass.to_vec(), redundant, factors })
+}
+
+/// Whether something is given as a function of time: then there may be motion without freedom.
+fn is_driven(model: &Model, rows: &[NodeId]) -> bool {
+    let time = model.input_index(model.time);
+    !model.prescribed.is_empty() || model.graph.depends(rows, |i| i == time).contains(&true)
 }
 
 /// What elimination finds.

@@ -30,6 +30,7 @@ pub mod direct;
 pub mod eliminate;
 pub mod energy;
 pub mod error;
+mod friction;
 pub mod initial;
 pub mod kinematics;
 pub mod linearise;

@@ -10,12 +10,12 @@
 //! redundant carries nothing. The force in a joint is the same sum for a velocity that the joint forbids.
 
 use headland_expr::{Expr, NodeId};
-use headland_model::{Derived, Model};
+use headland_model::{Contact, Derived, Mode, Model};
 
 use crate::combine::rows_by_velocities;
 use crate::energy::Energies;
 use crate::kinematics::{Kinematics, velocity_inputs};
-use crate::structures::Structures;
+use crate::structures::{Flow, Structures};
 
 /// The values of [`Model::derived`] by t, q, u and u′, in its order.
 pub fn form_derived(model: &Model, kinematics: &Kinematics, s: &Structures<'_>, energies: &Energies) -> Vec<NodeId> {
@@ -24,7 +24,7 @@ pub fn form_derived(model: &Model, kinematics: &Kinematics, s: &Structures<'_>, 
     }
     let graph = &model.graph;
     let balance = row_balances(kinematics, model, s);
-    let needs = |d: &Derived| matches!(d, Derived::Multiplier(_) | Derived::Reaction(_));
+    let needs = |d: &Derived| matches!(d, Derived::Multiplier(_) | Derived::Reaction(_) | Derived::Contact(..));
     let multipliers = if model.derived.iter().any(|d| needs(&d.what)) {
         multipliers(model, kinematics, &balance)
     } else {
@@ -37,6 +37,19 @@ pub fn form_derived(model: &Model, kinematics: &Kinematics, s: &Structures<'_>, 
         Derived::Kinetic => energies.kinetic,
         Derived::Potential => energies.potential,
         Derived::Power(name) => power(name),
+        Derived::Contact(k, axis) => {
+            let contact = &model.contacts[*k];
+            let slides = contact.mode == Mode::Sliding;
+            if let (None, true, Some(row)) = (axis, slides, contact.gap_row) {
+                return multipliers.get(row).map_or(zero, |e| graph.id(*e)); // friction is across the normal
+            }
+            let force = contact_force(model, kinematics, contact, &multipliers);
+            let normal = contact.normal.map(|n| graph.expr(n));
+            graph.id(match axis {
+                Some(i) => force[*i],
+                None => (0..3).fold(Expr::Const(0.0), |sum, i| sum + normal[i] * force[i]),
+            })
+        }
         Derived::Reaction(reaction) => {
             let own = reaction.rows.iter().map(|(row, w)| graph.expr(*w) * balance[*row]);
             let loops = reaction
@@ -47,6 +60,29 @@ pub fn form_derived(model: &Model, kinematics: &Kinematics, s: &Structures<'_>, 
         }
     };
     model.derived.iter().map(|d| value(&d.what)).collect()
+}
+
+/// The force of a hard contact along the axes of its surface: multipliers of what holds, and friction while it slides.
+fn contact_force<'g>(
+    model: &'g Model,
+    kinematics: &Kinematics,
+    contact: &Contact,
+    multipliers: &[Expr<'g>],
+) -> [Expr<'g>; 3] {
+    let graph = &model.graph;
+    let lambda = |row: usize| multipliers.get(row).copied().unwrap_or(Expr::Const(0.0));
+    let pressing = contact.gap_row.map_or(Expr::Const(0.0), lambda);
+    let mut force = contact.normal.map(|n| graph.expr(n) * pressing);
+    for &(row, axis) in &contact.slip_rows {
+        force[axis] = force[axis] + lambda(row);
+    }
+    if let Some(friction) = contact.friction.as_ref().filter(|_| contact.mode == Mode::Sliding) {
+        let flow = Flow::new(model, kinematics);
+        for (f, part) in force.iter_mut().zip(flow.substitute_rates(&friction.force)) {
+            *f = *f + part;
+        }
+    }
+    force
 }
 
 /// `J d″ − P` of each row, by u′.

@@ -25,6 +25,9 @@ pub fn start_inputs(model: &Model) -> Vec<f64> {
 /// place; then the given further rates of structures, one an element.
 pub fn first_not_finite(model: &Model, structure_rates: &[NodeId], inputs: &[f64]) -> Option<String> {
     let at = |place: &Place| model.source.locate(place);
+    if let Some(hazard) = model.hazard(inputs) {
+        return Some(format!("{} ({})", hazard.message, at(&hazard.place)));
+    }
     let definitions = model.definitions.iter().map(|d| (format!("`{}` ({})", d.name, at(&d.place)), d.node));
     let of = |what: &str, e: &Element| format!("the {what} of `{}` ({})", e.name, at(&e.place));
     let values = model.elements.iter().map(|e| (of("value", e), e.value));

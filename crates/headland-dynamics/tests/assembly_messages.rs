@@ -49,10 +49,11 @@ fn what_is_wrong_is_told() {
         ("the initial rates contradict", format!("{a}{b}{hinge}[[joint]]\nname = \"i\"\nkind = \"revolute\"\nto = \"b\"\n[[constraint]]\nname = \"k\"\nequation = \"h' = i'\"\n[initial]\n\"h'\" = 1\n\"i'\" = 2")),
         ("`g` is not a coordinate", format!("{a}{hinge}[initial]\n\"g\" = 1")),
         ("`i` is not a coordinate", format!("{a}{hinge}[[joint]]\nname = \"i\"\nkind = \"revolute\"\nto = \"a\"\ncut = true\n[initial]\ni = 1")),
-        ("nothing in the scene can move freely", format!("{a}{hinge}[prescribed]\nh = \"sin(t)\"")),
         ("`h.qw` cannot be prescribed", format!("{a}[[joint]]\nname = \"h\"\nkind = \"spherical\"\nto = \"a\"\n[prescribed]\n\"h.qw\" = \"1\"")),
         ("`h.wx` is a quasi-velocity already", format!("{a}[[joint]]\nname = \"h\"\nkind = \"spherical\"\nto = \"a\"\n[prescribed]\n\"h.wx\" = \"1\"")),
         ("`h.angl` is no coordinate of a joint; did you mean `h.angle`?", format!("{a}[[joint]]\nname = \"h\"\nkind = \"cylindrical\"\nto = \"a\"\n[prescribed]\n\"h.angl\" = \"sin(t)\"")),
+        ("`hig` is prescribed, but it is no coordinate of [coordinates] or of a joint, and nothing uses it; did you mean `hip`?", format!("{a}[[joint]]\nname = \"hip\"\nkind = \"revolute\"\nto = \"a\"\n[prescribed]\nhig = \"sin(t)\"")),
+        ("s.toml:12:1: `speed` is prescribed", format!("{a}{hinge}[coordinates]\nx = \"m\"\n[prescribed]\nspeed = \"2[m/s]\"\n[[constraint]]\nname = \"k\"\nequation = \"x' = 1[m/s]\"")),
         ("must be a function of t alone", format!("{a}{hinge}{b}[[joint]]\nname = \"i\"\nkind = \"revolute\"\nto = \"b\"\n[prescribed]\nh = \"i\"")),
         ("`a` is a body or frame already and cannot be a joint too", format!("{a}[[joint]]\nname = \"a\"\nkind = \"revolute\"\nto = \"a\"")),
         ("`a` is there twice", format!("{a}{a}")),
@@ -79,7 +80,7 @@ fn what_is_wrong_is_told() {
         ("the mass matrix is singular", "[[body]]\nname = \"a\"".into()),
         ("`i'`", format!("{a}{hinge}[[body]]\nname = \"b\"\n[[joint]]\nname = \"i\"\nkind = \"revolute\"\nfrom = \"a\"\nto = \"b\"")),
         ("`a.wx`", "[[body]]\nname = \"a\"\nmass = 1".into()),
-        ("nothing in the scene can move freely", format!("{a}[[joint]]\nname = \"h\"\nkind = \"weld\"\nto = \"a\"")),
+        ("nothing in the scene can move: no coordinate is left beside welds", format!("{a}[[joint]]\nname = \"h\"\nkind = \"weld\"\nto = \"a\"")),
         ("no degree of freedom is left", format!("{a}[[joint]]\nname = \"h\"\nkind = \"weld\"\nto = \"a\"\ncut = true")),
         ("true or false was expected", format!("{a}[[joint]]\nname = \"h\"\nkind = \"revolute\"\nto = \"a\"\ncut = \"yes\"")),
         ("lacks `to`", format!("{a}[[joint]]\nname = \"h\"\nkind = \"revolute\"")),
@@ -89,6 +90,8 @@ fn what_is_wrong_is_told() {
         ("`semi_axes` is 0 m", format!("{a}[[rolling]]\nname = \"c\"\nbody = \"a\"\nsemi_axes = [1, 0, 1]")),
         ("the wheel or disc of `c` lies flat at the start", format!("{a}[[rolling]]\nname = \"c\"\nbody = \"a\"\nradius = 1\naxis = \"z\"")),
         ("`tube` means nothing here", format!("{a}[[rolling]]\nname = \"c\"\nbody = \"a\"\nradius = 1\ntube = 0.1")),
+        ("s.toml:5:1 the ends of the spring `s` are in the same place", format!("{a}[[spring]]\nname = \"s\"\nto = \"a\"\nstiffness = 1\nfree_length = 1")),
+        ("the ends of the spring `s` are in the same place", format!("{a}[[spring]]\nname = \"s\"\nto = \"a\"\ndamping = 1")),
         ("neither `stiffness` nor `damping`", format!("{a}[[spring]]\nname = \"s\"\nto = \"a\"")),
         ("undefined name `h.fw`", format!("{a}{hinge}[outputs]\ncolumns = [\"h.fw\"]")),
         ("undefined name `a.fx`", format!("{a}[outputs]\ncolumns = [\"a.fx\"]")),
@@ -98,7 +101,7 @@ fn what_is_wrong_is_told() {
         ("follows from the equations of motion", format!("{a}{hinge}{b}[[joint]]\nname = \"i\"\nkind = \"revolute\"\nto = \"b\"\n[prescribed]\ni = \"h.fx/1[N]\"")),
         ("depends on the acceleration", format!("{a}{hinge}[[force]]\nname = \"f\"\nvalue = \"a.epsilon_z*1[N*m*s^2]\"\ngeometric = \"h\"")),
         ("`g` is not a coordinate", format!("{a}{hinge}[run]\nindependent = [\"g'\"]")),
-        ("`h.yaw'`", format!("{a}[[joint]]\nname = \"h\"\nkind = \"spherical\"\nto = \"a\"\norientation = \"rpy\"\n[initial]\n\"h.pitch\" = \"90 deg\"")),
+        ("s.toml:5:1 gimbal lock: the pitch of `h` is 90 deg", format!("{a}[[joint]]\nname = \"h\"\nkind = \"spherical\"\nto = \"a\"\norientation = \"rpy\"\n[initial]\n\"h.pitch\" = \"90 deg\"")),
         ("`orientation` is", format!("{a}[[joint]]\nname = \"h\"\nkind = \"spherical\"\nto = \"a\"\norientation = \"euler\"")),
         ("the quaternion of `a` is zero at the start", format!("{a}[initial]\n\"a.qw\" = 0")),
         ("needs one structure", format!("{a}[[force]]\nname = \"f\"\non = \"a\"")),
@@ -177,4 +180,30 @@ fn a_pendulum_pulls_at_its_hinge() {
             assert!((a - b).abs() < 1e-12, "{found:?} for {expected:?}");
         }
     }
+}
+
+/// Constraints in conflict are named together, and only those; what can be fulfilled beside them is not.
+#[test]
+fn conflicting_constraints_are_named_in_sets() {
+    let point = |name: &str| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmass = 1\n[[joint]]\nname = \"of_{name}\"\nkind = \"planar\"\nto = \"{name}\"\n"
+        )
+    };
+    let constraint =
+        |name: &str, equation: &str| format!("[[constraint]]\nname = \"{name}\"\nequation = \"{equation}\"\n");
+    let scene = point("a").replace("mass = 1", "mass = 1\ninertia = [1, 1, 1]")
+        + &point("b").replace("mass = 1", "mass = 1\ninertia = [1, 1, 1]")
+        + &constraint("rod", "hypot(of_a.x, of_a.y) = 2[m]")
+        + &constraint("wire", "of_a.y = -3[m]")
+        + &constraint("turn", "of_a.angle = 0.5")
+        + &constraint("low", "of_b.x - 2*of_b.y = 1[m]")
+        + &constraint("high", "2*of_b.x - 4*of_b.y = 5[m]")
+        + &constraint("free", "of_b.angle = 0.2");
+    let start = "[initial]\n\"of_a.x\" = 1\n\"of_a.y\" = -1\n";
+    let message = told(&(scene + start)).unwrap_or_default();
+    // the least squares lie in the middle of 2 m and 3 m; and of 1 m and 5/2 m, rows of equal length
+    assert!(message.contains("`rod` by 0.500 with `wire` by 0.500"), "{message}");
+    assert!(message.contains("`low` by 0.750 with `high` by 1.500"), "{message}");
+    assert!(!message.contains("turn") && !message.contains("free") && message.contains("; "), "{message}");
 }

@@ -187,6 +187,10 @@ fn what_cannot_roll_is_told() {
             "`surface_radius` is -2 m",
         ),
         ("body = \"a\"\nradius = 1\naxis = \"y\"\nsurface = \"bowl\"", "`surface` is \"plane\""),
+        (
+            "body = \"a\"\non = \"ramp\"\nradius = 1\nsurface = \"sphere\"\nsurface_radius = 3\n[[surface]]\nname = \"ramp\"\nshape = \"plane\"",
+            "`surface` means nothing here: the ground is the surface `ramp`",
+        ),
         ("body = \"a\"\non = \"road\"\nradius = 1", "`road` is undefined, not a body or frame"),
     ] {
         let text = format!("{start}[[rolling]]\nname = \"c\"\n{rolling}\n");

@@ -1,6 +1,7 @@
 //! Derivatives of graphs, forward and reverse, as new expressions of the same graph.
 
 use crate::expr::Expr;
+use crate::field::field_derived;
 use crate::graph::{Graph, Node, NodeId};
 use crate::ops::{Op, partials};
 use crate::scalar::Scalar;
@@ -17,6 +18,13 @@ fn node_partials<'g>(graph: &'g Graph, id: NodeId, node: Node) -> [Option<Expr<'
         Op::Spline => {
             let order = node.args[2] as u8;
             [(order < 3).then(|| operand(0).spline(&graph.spline(node.args[1]), order + 1)), None, None]
+        }
+        Op::Field => {
+            let (point, field) = ([operand(0), operand(1), operand(2)], graph.field(node.field));
+            [0, 1, 2].map(|axis| match point[axis] {
+                Expr::Const(_) => None,
+                _ => Some(Expr::field(point, &field, field_derived(usize::from(node.part), axis))),
+            })
         }
         op => partials(op, operand(0), operand(1), operand(2), graph.expr(id)),
     }

@@ -1,7 +1,9 @@
 //! [`Dual`]: a value with a derivative, over any scalar.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::sync::Arc;
 
+use crate::field::{Field, field_derived};
 use crate::ops::{Op, apply, partials};
 use crate::scalar::Scalar;
 use crate::spline::Spline;
@@ -98,5 +100,11 @@ impl<S: Scalar> Scalar for Dual<S> {
     }
     fn spline(self, table: &Spline, order: u8) -> Self {
         Self { value: self.value.spline(table, order), dot: self.value.spline(table, order + 1) * self.dot }
+    }
+    fn field(point: [Self; 3], field: &Arc<dyn Field>, part: usize) -> Self {
+        let at = point.map(|x| x.value);
+        let dots = point.iter().take(field.variables()).enumerate();
+        let dot = dots.map(|(axis, x)| S::field(at, field, field_derived(part, axis)) * x.dot);
+        Self { value: S::field(at, field, part), dot: dot.reduce(Add::add).unwrap_or(S::constant(0.0)) }
     }
 }

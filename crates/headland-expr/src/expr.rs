@@ -7,6 +7,7 @@
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::sync::Arc;
 
+use crate::field::{FIELD_BEYOND, Field, field_exponents, field_value};
 use crate::graph::{Graph, Node, NodeId};
 use crate::ops::{Op, apply};
 use crate::scalar::Scalar;
@@ -125,7 +126,7 @@ fn make<'g>(op: Op, operands: &[Expr<'g>]) -> Expr<'g> {
     if op.info().is_some_and(|row| row.commutes) && args[0] > args[1] {
         args.swap(0, 1);
     }
-    Expr::Node(graph, graph.arena().borrow_mut().insert(Node { op, args }))
+    Expr::Node(graph, graph.arena().borrow_mut().insert(Node::new(op, args)))
 }
 
 /// A function of one operand, folded if it is a number and the result is finite.
@@ -216,7 +217,7 @@ impl<'g> Sub for Expr<'g> {
             return -(a + b);
         }
         let graph = graph_of(&[a, b]);
-        let mirrored = Node { op: Op::Sub, args: [graph.id(b).0, graph.id(a).0, 0] };
+        let mirrored = Node::new(Op::Sub, [graph.id(b).0, graph.id(a).0, 0]);
         let known = graph.arena().borrow().find(mirrored);
         match known {
             Some(id) => make(Op::Neg, &[Expr::Node(graph, id)]),
@@ -362,7 +363,7 @@ impl<'g> Scalar for Expr<'g> {
             return base.powi(total);
         }
         let graph = graph_of(&[self]);
-        let node = Node { op: Op::Powi, args: [graph.id(self).0, n as u32, 0] };
+        let node = Node::new(Op::Powi, [graph.id(self).0, n as u32, 0]);
         Expr::Node(graph, graph.arena().borrow_mut().insert(node))
     }
     fn pow(self, y: Self) -> Self {
@@ -460,9 +461,25 @@ impl<'g> Scalar for Expr<'g> {
             _ if order > 3 => Expr::Const(0.0),
             Expr::Node(graph, id) => {
                 let index = graph.table(Arc::new(table.clone()));
-                let node = Node { op: Op::Spline, args: [id.0, index, u32::from(order)] };
+                let node = Node::new(Op::Spline, [id.0, index, u32::from(order)]);
                 Expr::Node(graph, graph.arena().borrow_mut().insert(node))
             }
         }
+    }
+    /// Variables that the field does not have become 0, so that points which differ in them alone are one.
+    fn field(mut point: [Self; 3], field: &Arc<dyn Field>, part: usize) -> Self {
+        let known = field.variables().min(3);
+        point[known..].fill(Expr::Const(0.0));
+        if field_exponents(part).is_some_and(|times| times[known..].iter().any(|&n| n > 0)) {
+            return Expr::Const(0.0);
+        }
+        if let [Expr::Const(x), Expr::Const(y), Expr::Const(z)] = point {
+            return Expr::Const(field_value(&**field, [x, y, z], part));
+        }
+        let graph = graph_of(&point);
+        let args = point.map(|e| graph.id(e).0);
+        let field = graph.register_field(field);
+        let node = Node { op: Op::Field, part: part.min(FIELD_BEYOND) as u8, field, args };
+        Expr::Node(graph, graph.arena().borrow_mut().insert(node))
     }
 }

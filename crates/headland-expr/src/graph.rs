@@ -9,6 +9,7 @@ use std::sync::Arc;
 use rustc_hash::FxHashMap;
 
 use crate::expr::Expr;
+use crate::field::{FIELD_BEYOND, Field};
 use crate::ops::{Op, apply};
 use crate::scalar::Scalar;
 use crate::spline::Spline;
@@ -29,12 +30,20 @@ impl NodeId {
 pub struct Node {
     /// The operator.
     pub op: Op,
+    /// `Field`: the part, a [`field_part`](crate::field_part) or [`FIELD_BEYOND`]; else 0.
+    pub part: u8,
+    /// `Field`: index of the field; else 0.
+    pub field: u16,
     /// Operands; `Const`: index of the number, `Input`: index of the input, `Powi`: operand and exponent,
-    /// `Spline`: operand, table, order of the derivative.
+    /// `Spline`: operand, table, order of the derivative; `Field`: the point.
     pub args: [u32; 3],
 }
 
 impl Node {
+    /// A node without a field.
+    pub(crate) fn new(op: Op, args: [u32; 3]) -> Self {
+        Self { op, part: 0, field: 0, args }
+    }
     /// Ids of the operands.
     pub fn operands(&self) -> impl Iterator<Item = NodeId> + use<> {
         let args = self.args;
@@ -52,6 +61,7 @@ pub(crate) struct Arena {
     pub(crate) numbers: Vec<f64>,
     pub(crate) inputs: Vec<(String, NodeId)>,
     pub(crate) splines: Vec<Arc<Spline>>,
+    pub(crate) fields: Vec<Arc<dyn Field>>,
     index: FxHashMap<Node, u32>,
     number_index: FxHashMap<u64, u32>,
 }
@@ -76,6 +86,7 @@ impl Clone for Graph {
             numbers: a.numbers.clone(),
             inputs: a.inputs.clone(),
             splines: a.splines.clone(),
+            fields: a.fields.clone(),
             index: a.index.clone(),
             number_index: a.number_index.clone(),
         };
@@ -93,7 +104,7 @@ impl Graph {
     pub fn input(&self, name: &str) -> Expr<'_> {
         let mut arena = self.arena.borrow_mut();
         let index = arena.inputs.len() as u32;
-        let id = arena.insert(Node { op: Op::Input, args: [index, 0, 0] });
+        let id = arena.insert(Node::new(Op::Input, [index, 0, 0]));
         arena.inputs.push((name.to_string(), id));
         Expr::Node(self, id)
     }
@@ -132,6 +143,35 @@ impl Graph {
         }
         arena.splines.push(spline);
         (arena.splines.len() - 1) as u32
+    }
+
+    /// Registers a field and gives its index; the same `Arc` is the same field.
+    ///
+    /// # Panics
+    /// If there are more than 65536 fields.
+    pub fn register_field(&self, field: &Arc<dyn Field>) -> u16 {
+        let mut arena = self.arena.borrow_mut();
+        let known = arena.fields.iter().position(|f| Arc::ptr_eq(f, field));
+        let index = known.unwrap_or_else(|| {
+            arena.fields.push(field.clone());
+            arena.fields.len() - 1
+        });
+        u16::try_from(index).expect("at most 65536 fields in a graph")
+    }
+
+    /// A registered field.
+    pub fn field(&self, index: u16) -> Arc<dyn Field> {
+        self.arena.borrow().fields[usize::from(index)].clone()
+    }
+
+    /// The first field, if there is one, of which the given nodes need a derivative beyond the third order: such nodes
+    /// have no value (they evaluate to NaN), so whoever derives asks before evaluating.
+    pub fn beyond_fields(&self, roots: &[NodeId]) -> Option<Arc<dyn Field>> {
+        let needed = self.needed(roots);
+        let arena = self.arena.borrow();
+        let beyond = |node: &Node| node.op == Op::Field && usize::from(node.part) == FIELD_BEYOND;
+        let first = needed.iter().zip(&arena.nodes).find(|(needed, node)| **needed && beyond(node));
+        first.map(|(_, node)| arena.fields[usize::from(node.field)].clone())
     }
 
     /// The node at a position in the order of construction.
@@ -259,6 +299,10 @@ impl Graph {
                     Op::Spline => {
                         copy[node.args[0] as usize].spline(&arena.splines[node.args[1] as usize], node.args[2] as u8)
                     }
+                    Op::Field => {
+                        let point = node.args.map(|a| copy[a as usize]);
+                        Expr::field(point, &arena.fields[usize::from(node.field)], usize::from(node.part))
+                    }
                     op => {
                         let operand =
                             |k: usize| if k < op.arity() { copy[node.args[k] as usize] } else { Expr::Const(0.0) };
@@ -287,6 +331,9 @@ impl Graph {
                 _ if !changed => None,
                 Op::Powi => Some(get(0).powi(node.exponent())),
                 Op::Spline => Some(get(0).spline(&self.spline(node.args[1]), node.args[2] as u8)),
+                Op::Field => {
+                    Some(Expr::field([get(0), get(1), get(2)], &self.field(node.field), usize::from(node.part)))
+                }
                 op => {
                     let operand = |k: usize| if k < op.arity() { get(k) } else { Expr::Const(0.0) };
                     Some(apply(op, operand(0), operand(1), operand(2)))
@@ -325,7 +372,7 @@ impl Arena {
         if index == next {
             self.numbers.push(x);
         }
-        self.insert(Node { op: Op::Const, args: [index, 0, 0] }).0
+        self.insert(Node::new(Op::Const, [index, 0, 0])).0
     }
 
     /// Value of one node from its operands' values.
@@ -335,6 +382,7 @@ impl Arena {
             Op::Input => inputs[node.args[0] as usize],
             Op::Powi => get(node.args[0]).powi(node.exponent()),
             Op::Spline => get(node.args[0]).spline(&self.splines[node.args[1] as usize], node.args[2] as u8),
+            Op::Field => S::field(node.args.map(get), &self.fields[usize::from(node.field)], usize::from(node.part)),
             op => {
                 let operand = |k: usize| if k < op.arity() { get(node.args[k]) } else { S::constant(0.0) };
                 apply(op, operand(0), operand(1), operand(2))

@@ -2,7 +2,9 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::sync::Arc;
 
+use crate::field::Field;
 use crate::scalar::Scalar;
 use crate::spline::Spline;
 
@@ -292,6 +294,10 @@ impl Scalar for Interval {
             range = Some(range.map_or(piece, |r| r.hull(piece)));
         }
         range.unwrap_or(Self::WHOLE)
+    }
+    /// The whole line: a field says nothing about what lies between two points.
+    fn field(_: [Self; 3], _: &Arc<dyn Field>, _: usize) -> Self {
+        Self::WHOLE
     }
 }
 

@@ -18,8 +18,9 @@
 //!
 //! In order: [`scalar`] is the trait, [`ops`] the one table of operators, [`graph`] the hash-consed arena, [`expr`] its
 //! handles with their simplifications, [`derivative`] forward and reverse, [`dual`] derivatives without symbols,
-//! [`spline`] table interpolation, [`field`] functions known by numbers, [`interval`] ranges, [`timeline`](mod@timeline) where functions of time bend, [`parse`] from text,
-//! [`print`](mod@print) back to text, LaTeX and C.
+//! [`spline`] table interpolation, [`field`] functions of a point that are known by numbers, [`interval`] ranges,
+//! [`timeline`](mod@timeline) where functions of time bend, [`parse`] from text, [`print`](mod@print) back to text, LaTeX
+//! and C.
 
 pub mod derivative;
 pub mod dual;
@@ -36,7 +37,7 @@ pub mod timeline;
 
 pub use dual::Dual;
 pub use expr::Expr;
-pub use field::{FIELD_PARTS, Field, field_part};
+pub use field::{FIELD_BEYOND, FIELD_PARTS, Field, Wave, field_part};
 pub use graph::{Graph, NodeId};
 pub use interval::Interval;
 pub use ops::Op;

@@ -8,7 +8,7 @@ use crate::scalar::Scalar;
 /// How an operator is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// A constant, an input, a power or a spline: the printers know it.
+    /// A constant, an input, a power, a spline or a field: the printers know it.
     Special,
     /// Between its operands, with the given strength (higher binds tighter).
     Infix(u8),
@@ -54,6 +54,8 @@ macro_rules! operators {
             Powi,
             /// A derivative of a C² spline.
             Spline,
+            /// A part of a field at a point.
+            Field,
             $(#[doc = concat!("`", $name, "`.")] $Op,)*
         }
 
@@ -67,7 +69,7 @@ macro_rules! operators {
         #[inline]
         pub fn apply<S: Scalar>(op: Op, a: S, b: S, c: S) -> S {
             match op {
-                Op::Const | Op::Input | Op::Powi | Op::Spline => unreachable!("has immediate arguments"),
+                Op::Const | Op::Input | Op::Powi | Op::Spline | Op::Field => unreachable!("has immediate arguments"),
                 $(Op::$Op => { let ($a, $b, $e) = (a, b, c); $value })*
             }
         }
@@ -75,7 +77,7 @@ macro_rules! operators {
         /// Partial derivatives of `y = op(a, b, c)` with respect to its operands; `None` is zero.
         pub fn partials<S: Scalar>(op: Op, a: S, b: S, c: S, y: S) -> [Option<S>; 3] {
             match op {
-                Op::Const | Op::Input | Op::Powi | Op::Spline => unreachable!("has immediate arguments"),
+                Op::Const | Op::Input | Op::Powi | Op::Spline | Op::Field => unreachable!("has immediate arguments"),
                 $(Op::$Op => { let ($pa, $pb, $pe, $py) = (a, b, c, y); $partials })*
             }
         }
@@ -172,7 +174,7 @@ operators! {
 }
 
 impl Op {
-    /// The operator's row; `None` for a constant, an input, an integer power and a spline.
+    /// The operator's row; `None` for a constant, an input, an integer power, a spline and a field.
     pub fn info(self) -> Option<&'static OpInfo> {
         OPS.get((self as usize).checked_sub(Op::Add as usize)?)
     }
@@ -182,6 +184,7 @@ impl Op {
         match self {
             Op::Const | Op::Input => 0,
             Op::Powi | Op::Spline => 1,
+            Op::Field => 3,
             _ => self.info().map_or(0, |row| row.arity),
         }
     }

@@ -1,7 +1,9 @@
 //! [`Scalar`]: what the mechanics is written over.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::sync::Arc;
 
+use crate::field::{Field, field_value};
 use crate::spline::Spline;
 
 /// What the mechanics is written over: `f64`, SIMD lanes, a dual number, an interval or an expression.
@@ -55,6 +57,19 @@ pub trait Scalar:
     fn select(cond: Self, a: Self, b: Self) -> Self;
     /// The `order`-th derivative of a spline at `self`.
     fn spline(self, table: &Spline, order: u8) -> Self;
+    /// A part of a field at a point: its value (part 0) or a derivative, see [`field_part`](crate::field_part).
+    ///
+    /// What lies beyond the third order is unknown: NaN for numbers, in a graph a node that
+    /// [`Graph::beyond_fields`](crate::Graph::beyond_fields) finds.
+    fn field(point: [Self; 3], field: &Arc<dyn Field>, part: usize) -> Self;
+    /// All parts up to `order` (at most 3) into the [`FIELD_PARTS`](crate::FIELD_PARTS)`[order]` places of `out`; numbers
+    /// and lanes take one evaluation of the field a point.
+    fn field_parts(point: [Self; 3], field: &Arc<dyn Field>, order: usize, out: &mut [Self]) {
+        assert_eq!(out.len(), crate::FIELD_PARTS[order], "places for the parts of a field");
+        for (part, out) in out.iter_mut().enumerate() {
+            *out = Self::field(point, field, part);
+        }
+    }
     /// Sine and cosine together.
     fn sin_cos(self) -> (Self, Self) {
         (self.sin(), self.cos())
@@ -147,6 +162,12 @@ impl Scalar for f64 {
     }
     fn spline(self, table: &Spline, order: u8) -> Self {
         table.eval(self, order)
+    }
+    fn field(point: [Self; 3], field: &Arc<dyn Field>, part: usize) -> Self {
+        field_value(&**field, point, part)
+    }
+    fn field_parts(point: [Self; 3], field: &Arc<dyn Field>, order: usize, out: &mut [Self]) {
+        field.eval(point, order, out);
     }
     fn sin_cos(self) -> (Self, Self) {
         f64::sin_cos(self)

@@ -43,7 +43,7 @@ const BUDGET: usize = 120_000;
 /// equal, and where the argument of a table passes a point of it; a condition that is not zero in reality but within
 /// rounding may add one. A window is published where the fastest function would go through half of its range in a step
 /// much shorter than the whole span; what is faster than `1e-9` of the span is taken for a jump or a pole and left to the
-/// integrator's error control. The work is bounded: past a few thousand breakpoints or leaves, coarser windows stand for the rest.
+/// integrator's error control, and so are fields: they are smooth, and known at points only. The work is bounded: past a few thousand breakpoints or leaves, coarser windows stand for the rest.
 ///
 /// ```
 /// use headland_expr::{Expr, Graph, Scalar, timeline::timeline};
@@ -128,6 +128,8 @@ impl Kinds {
             kind[i] = match node.op {
                 Op::Input if node.args[0] as usize == time_input => Kind::Time,
                 Op::Input if varying(node.args[0] as usize) => Kind::State,
+                // Numbers at points bound nothing between them: what a field makes of time is the error control's.
+                Op::Field if node.operands().any(|a| kind[a.index()] != Kind::Fixed) => Kind::State,
                 _ => node.operands().map(|a| kind[a.index()]).max().unwrap_or(Kind::Fixed),
             };
         }

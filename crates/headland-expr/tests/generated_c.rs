@@ -13,6 +13,28 @@ const INPUTS: usize = 3;
 const PROGRAMS: u64 = 60;
 const POINTS: usize = 5;
 
+/// The programs' field, written for C.
+const FIELD: &str = r"
+double headland_field_wave(double x, double y, double z, int part)
+{
+    static const int times[20][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {2, 0, 0}, {1, 1, 0}, {1, 0, 1},
+        {0, 2, 0}, {0, 1, 1}, {0, 0, 2}, {3, 0, 0}, {2, 1, 0}, {2, 0, 1}, {1, 2, 0}, {1, 1, 1}, {1, 0, 2}, {0, 3, 0},
+        {0, 2, 1}, {0, 1, 2}, {0, 0, 3}};
+    const double at[3] = {x, y, z}, rate[3] = {0.7, -1.1, 0.4}, phase[3] = {0.1, 1.3, -0.6};
+    double f[3];
+    for (int i = 0; i < 3; i++) {
+        const double a = rate[i], angle = a * at[i] + phase[i];
+        switch (times[part][i]) {
+        case 0: f[i] = sin(angle); break;
+        case 1: f[i] = a * cos(angle); break;
+        case 2: f[i] = -(a * a) * sin(angle); break;
+        default: f[i] = -(a * a * a) * cos(angle);
+        }
+    }
+    return f[0] * f[1] * f[2];
+}
+";
+
 /// Arithmetic agrees to the last bit; library functions may differ by a unit in the last place on other systems than
 /// the one Rust was built for, which what follows magnifies, hence the tolerance where bits differ at all.
 const TOLERANCE: f64 = 1e-9;
@@ -47,6 +69,7 @@ fn compiled_functions_agree_with_the_graph() {
             let _ = writeln!(main, "for (int i = 0; i < {}; i++) printf(\"%.17g\\n\", y[i]);", roots.len());
         }
     }
+    source += FIELD;
     source += &main;
     source += "    return 0;\n}\n";
 

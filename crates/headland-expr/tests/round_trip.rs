@@ -37,6 +37,7 @@ fn read<'g>(text: &str, program: &Program, inputs: &[Expr<'g>]) -> Expr<'g> {
                 stack.push(match function.as_str() {
                     "if" => Expr::select(get(0), get(1), get(2)),
                     "table" => get(0).spline(program.table(), 0),
+                    "wave" => Expr::field([get(0), get(1), get(2)], program.field(), 0),
                     name => {
                         let row = OPS.iter().find(|row| row.name == name).expect(name);
                         apply(row.op, get(0), get(1), get(2))
@@ -61,8 +62,8 @@ fn text_parses_back() {
         for e in program.run(&inputs) {
             let id = graph.id(e);
             let text = expression(&graph, Style::Text, id);
-            // The grammar has no derivatives of tables and no infinities.
-            if text.contains("table'") || text.contains("inf") || text.contains("NaN") {
+            // The grammar has no derivatives of tables and fields, and no infinities.
+            if text.contains("table'") || text.contains("wave'") || text.contains("inf") || text.contains("NaN") {
                 continue;
             }
             let again = graph.id(read(&text, &program, &inputs));

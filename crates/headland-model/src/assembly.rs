@@ -5,6 +5,7 @@
 //! are known ([`Builder::build_assembly`]).
 
 mod closures;
+mod contact;
 mod curved;
 mod fields;
 mod forces;
@@ -15,6 +16,7 @@ mod motion;
 mod quantities;
 mod reactions;
 mod rolling;
+mod surfaces;
 mod touching;
 mod tree;
 
@@ -49,6 +51,8 @@ struct FrameEntry<'s, 'g> {
     carrier: Carrier,
     element: Option<(&'s SceneElement, Binding)>,
     motion: Option<Motion<'g>>,
+    /// True for one that a `[[surface]]` stands in.
+    is_surface: bool,
 }
 
 /// A joint of the scene, or the free motion of a body on which no joint acts.
@@ -90,7 +94,8 @@ pub(crate) struct Assembly<'s, 'g> {
     tilts: Vec<(String, Place, headland_expr::NodeId)>,
 }
 
-const SECTIONS: [&str; 8] = ["body", "frame", "joint", "rolling", "skate", "gear", "spring", "bushing"];
+const SECTIONS: [&str; 10] =
+    ["body", "frame", "surface", "joint", "rolling", "contact", "skate", "gear", "spring", "bushing"];
 
 impl<'s, 'g> Builder<'s, 'g> {
     /// Declares bodies, frames, joints and their coordinates.
@@ -104,11 +109,13 @@ impl<'s, 'g> Builder<'s, 'g> {
             carrier: Carrier::World,
             element: None,
             motion: None,
+            is_surface: false,
         };
         self.assembly.frames.push(world);
         self.low.symbols.by_name.insert("world".into(), Symbol::Frame(Members::single(0)));
         self.declare_frames("body", "a body");
         self.declare_frames("frame", "a frame");
+        self.declare_frames("surface", "a surface");
         self.place_frames();
         self.declare_joints();
         if self.low.diagnostics.is_empty() {
@@ -131,6 +138,7 @@ impl<'s, 'g> Builder<'s, 'g> {
                     carrier,
                     element: Some((element, binding)),
                     motion: None,
+                    is_surface: section == "surface",
                 });
             }
         }
@@ -220,11 +228,14 @@ impl<'s, 'g> Builder<'s, 'g> {
 
     /// Constraints and forces between frames; definitions may be used here.
     pub(crate) fn assembly_elements(&mut self) {
-        for section in ["rolling", "skate", "gear", "spring", "bushing"] {
+        for section in ["rolling", "contact", "skate", "gear", "spring", "bushing"] {
             self.no_name_twice(section);
         }
         for element in self.scene.section_elements("rolling") {
             let _ = self.rolling(element);
+        }
+        for element in self.scene.section_elements("contact") {
+            let _ = self.contact(element);
         }
         for element in self.scene.section_elements("skate") {
             let _ = self.skate(element);
@@ -250,6 +261,19 @@ impl<'s, 'g> Builder<'s, 'g> {
                 self.low.report(place.clone(), format!("two elements of [[{section}]] are named `{name}`"));
             }
         }
+    }
+
+    /// Names of the rows by which the joints would close loops, were they not on the tree.
+    pub(crate) fn rows_of_joints(&self) -> Vec<(String, bool)> {
+        let rows = |joint: &JointEntry<'_>| {
+            let axes = ["x", "y", "z"];
+            let positions =
+                joint.kind.fixed_positions().iter().map(|&i| (format!("{}.{}", joint.name, axes[i]), false));
+            let rotations = joint.kind.fixed_rotations().iter();
+            let rotations = rotations.map(|&(i, k)| (format!("{}.{}{}", joint.name, axes[i], axes[k]), true));
+            positions.chain(rotations).collect::<Vec<_>>()
+        };
+        self.assembly.joints.iter().filter(|joint| joint.element.is_some()).flat_map(rows).collect()
     }
 
     /// Mass, centre and tensor of a body as an element of equation (7).

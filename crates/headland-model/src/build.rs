@@ -4,11 +4,12 @@ use headland_expr::parse::{Program, suggestion};
 use headland_expr::{Expr, Graph, NodeId};
 
 use crate::assembly::Assembly;
+use crate::contact::Contact;
 use crate::depend::Kinds;
 use crate::lower::{Lowering, Reported, Typed};
 use crate::model::{
-    Body, Coordinate, DerivedQuantity, Element, ElementKind, Event, Guard, KinematicRow, LinearSolver, Load, Model,
-    Parameter, Plot, Quantity, QuasiVelocity, RunSettings,
+    Body, Coordinate, DerivedQuantity, Element, ElementKind, Event, Guard, Hazard, KinematicRow, LinearSolver, Load,
+    Model, Parameter, Plot, Quantity, QuasiVelocity, RunSettings,
 };
 use crate::place::{Diagnostic, ModelError, Place};
 use crate::scene::{Data, Scene, Value};
@@ -59,10 +60,12 @@ pub(crate) struct Parts {
     pub(crate) bodies: Vec<Body>,
     pub(crate) loads: Vec<Load>,
     pub(crate) derived: Vec<DerivedQuantity>,
+    pub(crate) contacts: Vec<Contact>,
     pub(crate) tree: Option<JointTree>,
     pub(crate) definitions: Vec<Quantity>,
     pub(crate) outputs: Vec<Quantity>,
     pub(crate) guards: Vec<Guard>,
+    pub(crate) hazards: Vec<Hazard>,
     pub(crate) events: Vec<Event>,
     pub(crate) plots: Vec<Plot>,
     pub(crate) run: Option<RunSettings>,
@@ -91,10 +94,12 @@ impl Parts {
             bodies: self.bodies,
             loads: self.loads,
             derived: self.derived,
+            contacts: self.contacts,
             tree: self.tree,
             definitions: self.definitions,
             outputs: self.outputs,
             guards: self.guards,
+            hazards: self.hazards,
             events: self.events,
             plots: self.plots,
             run,
@@ -145,6 +150,7 @@ impl<'s, 'g> Builder<'s, 'g> {
         }
         self.no_name_twice("force");
         self.publish_derived();
+        self.publish_residuals();
         self.initial();
         self.scales();
         self.prescribed();
@@ -158,6 +164,7 @@ impl<'s, 'g> Builder<'s, 'g> {
         self.offset_meshes();
         self.guess_places();
         self.array_lengths();
+        self.unused_prescribed();
         self.warn();
         self.finish_reactions();
         self.parts.tree = self.joint_tree();
@@ -261,6 +268,26 @@ impl<'s, 'g> Builder<'s, 'g> {
         }
     }
 
+    /// A name under `[prescribed]` that is no coordinate is a function of time; one that nothing uses is a mistyped name.
+    fn unused_prescribed(&mut self) {
+        for entry in self.scene.section("prescribed") {
+            let Ok(key) = parse_key(&entry.key) else { continue };
+            if key.name.contains('.') || self.low.declared.contains_key(&key.name) || self.low.used.contains(&key.name)
+            {
+                continue;
+            }
+            let symbols = self.low.symbols.by_name.iter();
+            let coordinates = symbols.filter(|(_, s)| matches!(s, Symbol::Coordinate(..))).map(|(name, _)| &**name);
+            let joints = self.low.coordinates.iter().map(|c| c.name.as_str());
+            let hint = suggestion(&key.name, coordinates.chain(joints));
+            let message = format!(
+                "`{}` is prescribed, but it is no coordinate of [coordinates] or of a joint, and nothing uses it{hint}",
+                entry.key
+            );
+            self.low.report(entry.key_place.clone(), message);
+        }
+    }
+
     pub(crate) fn quantity(&mut self, name: String, typed: Typed<'g>, place: Place) -> Quantity {
         let unit = self.low.unifier.resolve(&typed.dimension).unit(typed.angle);
         Quantity { name, unit, factor: 1.0, node: self.low.graph.id(typed.expr), place }
@@ -281,11 +308,11 @@ impl<'s, 'g> Builder<'s, 'g> {
     }
 
     pub(crate) fn warn(&mut self) {
-        if self.low.coordinates.is_empty() {
-            let message = if self.scene.section_elements("body").is_empty() && self.parts.prescribed.is_empty() {
+        if self.low.coordinates.is_empty() && self.parts.prescribed.is_empty() {
+            let message = if self.scene.section_elements("body").is_empty() {
                 "the scene has no coordinates: `[coordinates]` with names and units, or `[[body]]`"
             } else {
-                "nothing in the scene can move freely: no coordinate is left beside welds and prescribed motion"
+                "nothing in the scene can move: no coordinate is left beside welds, and no motion is prescribed"
             };
             self.low.report(Place::Program, message);
         }

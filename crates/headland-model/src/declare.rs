@@ -14,6 +14,7 @@ use crate::model::Parameter;
 use crate::place::Place;
 use crate::scene::{Data, Entry, Value};
 use crate::symbols::{DefinitionKind, Members, Rule, Symbol, member_name, parse_key};
+use crate::tables::is_of_two;
 use crate::units::{parse_quantity, parse_unit};
 
 /// Rules by name and member; true for a fixed member, which goes before a family's rule.
@@ -108,6 +109,9 @@ impl<'g> Builder<'_, 'g> {
             let message = "a table is written `{ x = [..], y = [..], x_unit = \"m\", y_unit = \"N\" }`";
             return Err(self.low.report(entry.value.place.clone(), message));
         };
+        if is_of_two(fields) {
+            return self.table_of_two(entry, fields);
+        }
         let mut points: [Vec<f64>; 2] = Default::default();
         let mut units = [None, None];
         for field in fields {

@@ -138,7 +138,7 @@ pub const SECTIONS: &[Section] = &[
     names(
         "tables",
         Kind::Points,
-        "functions by points, `mu = { x = [..], y = [..], x_unit = \"m\", y_unit = \"1\" }`, used as `mu(x)`: natural cubic spline",
+        "functions by points, `mu = { x = [..], y = [..], x_unit = \"m\", y_unit = \"1\" }`, used as `mu(x)`: natural cubic spline; with `z = [[..], ..]` or a `file` of lines `x, y, z` of two variables, used as `ground(x, y)`",
     ),
     names("coordinates", Kind::Unit, "generalised coordinates q and their units: `\"theta[k]\" = \"rad\"`"),
     names(
@@ -235,16 +235,57 @@ pub const SECTIONS: &[Section] = &[
         "joints; their coordinates are named after them. What is over in a tree closes loops",
     ),
     elements(
+        "surface",
+        &[
+            NAME,
+            key("on", Kind::Text, false, "the body or frame to which it is fixed; `world` by default"),
+            AT,
+            RPY,
+            key("shape", Kind::Text, true, "plane z = 0, sphere, cylinder, cone or torus about z"),
+            key("radius", Kind::Expression, false, "of a sphere or cylinder; of a torus to the middle of its tube"),
+            key("tube", Kind::Expression, false, "of a torus: radius of its tube"),
+            key(
+                "half_angle",
+                Kind::Expression,
+                false,
+                "of a cone: between its axis z and its side; its tip is the origin",
+            ),
+            key("inside", Kind::Flag, false, "true: a recess, what touches it is inside; outside by default"),
+        ],
+        "surfaces that bodies roll on or touch; each is a frame, too",
+    ),
+    elements(
+        "contact",
+        &[
+            NAME,
+            key("body", Kind::Text, true, "the body or frame with the ball that touches"),
+            key("on", Kind::Text, false, "a surface, or a frame for its plane z = 0; `world` by default"),
+            key("center", Kind::Expressions, false, "centre of the ball in `body`"),
+            key("radius", Kind::Expression, false, "of the ball; 0 by default: a point"),
+            key(
+                "friction",
+                Kind::Expression,
+                false,
+                "coefficient while sliding, by parameters and `NAME.slip`; none by default: it never slips",
+            ),
+            key(
+                "static_friction",
+                Kind::Expression,
+                false,
+                "coefficient up to which it rolls; `friction` at no slip by default",
+            ),
+            key("viscous_friction", Kind::Expression, false, "friction by normal force and slip speed, s/m"),
+            key("restitution", Kind::Expression, false, "normal speed after an impact by that before; 0 by default"),
+            key("start", Kind::Text, false, "`auto` (default: by place and slip), `rolling`, `sliding` or `free`"),
+        ],
+        "hard contact of a ball with a surface: it rolls, slides, leaves, bounces",
+    ),
+    elements(
         "rolling",
         &[
             NAME,
             key("body", Kind::Text, true, "the body or frame that rolls"),
-            key(
-                "on",
-                Kind::Text,
-                false,
-                "the body or frame on whose plane z = 0, or surface, it rolls; `world` by default",
-            ),
+            key("on", Kind::Text, false, "a surface, or a body or frame for its plane z = 0; `world` by default"),
             key("center", Kind::Expressions, false, "centre of the wheel, ball or ellipsoid in `body`"),
             RPY,
             key(
@@ -527,10 +568,13 @@ fn kind_schema(kind: Kind) -> Value {
             "properties": {
                 "x": { "type": "array", "items": { "type": "number" } },
                 "y": { "type": "array", "items": { "type": "number" } },
+                "z": { "type": "array", "items": { "type": "array", "items": { "type": "number" } } },
                 "x_unit": { "type": "string" },
                 "y_unit": { "type": "string" },
+                "z_unit": { "type": "string" },
+                "file": { "type": "string" },
             },
-            "required": ["x", "y"],
+            "anyOf": [{ "required": ["x", "y"] }, { "required": ["file"] }],
             "additionalProperties": false,
         }),
     }

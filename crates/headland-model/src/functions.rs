@@ -36,6 +36,17 @@ impl<'g> Lowering<'g> {
             self.demand(&args[0].0, &x, args[0].0.angle, formula, &format!("the argument of the table `{function}`"))?;
             return Ok(Typed { expr: args[0].0.expr.spline(&spline, 0), dimension: y, angle: false, condition: false });
         }
+        if let Some(Symbol::Field(field, dimensions)) = self.symbols.by_name.get(function) {
+            let (field, [x, y, z]) = (field.clone(), dimensions.clone());
+            let [(at_x, _), (at_y, _)] = &args[..] else {
+                return Err(self.report(place, format!("the table `{function}` takes 2 arguments, found {n}")));
+            };
+            self.no_conditions(&args, formula)?;
+            self.demand(at_x, &x, at_x.angle, formula, &format!("the first argument of the table `{function}`"))?;
+            self.demand(at_y, &y, at_y.angle, formula, &format!("the second argument of the table `{function}`"))?;
+            let expr = Expr::field([at_x.expr, at_y.expr, Expr::Const(0.0)], &field, 0);
+            return Ok(Typed { expr, dimension: z, angle: false, condition: false });
+        }
         let row = headland_expr::ops::OPS
             .iter()
             .find(|r| r.name == function && r.form == headland_expr::ops::Form::Call && r.op != Op::Select);
@@ -51,8 +62,12 @@ impl<'g> Lowering<'g> {
                     .filter(|n| *n != "select")
                     .chain(FUNCTIONS.iter().map(|f| f.0))
                     .chain(["sum", "len"]);
-                let tables =
-                    self.symbols.by_name.iter().filter(|(_, s)| matches!(s, Symbol::Table(..))).map(|(n, _)| &**n);
+                let tables = self
+                    .symbols
+                    .by_name
+                    .iter()
+                    .filter(|(_, s)| matches!(s, Symbol::Table(..) | Symbol::Field(..)))
+                    .map(|(n, _)| &**n);
                 let hint = suggestion(function, names.chain(tables));
                 return Err(self.report(place, format!("unknown function `{function}`{hint}")));
             }

@@ -39,6 +39,7 @@
 mod agree;
 mod assembly;
 pub mod build;
+pub mod contact;
 mod declare;
 mod definitions;
 pub mod depend;
@@ -52,14 +53,17 @@ mod names;
 pub mod place;
 mod present;
 pub mod read;
+mod residuals;
 pub mod scene;
 mod start;
 pub mod symbols;
+mod tables;
 pub mod tree;
 pub mod units;
 
+pub use contact::{Contact, Friction, Mode};
 pub use model::{
-    Body, Coordinate, Derived, DerivedQuantity, Direction, Element, ElementKind, Event, Guard, KinematicRow,
+    Body, Coordinate, Derived, DerivedQuantity, Direction, Element, ElementKind, Event, Guard, Hazard, KinematicRow,
     LinearSolver, Load, Model, Parameter, Plot, Quantity, QuasiVelocity, Reaction, RowForm, RunSettings, StructureForm,
     VectorNodes, VectorStructure,
 };

@@ -14,7 +14,7 @@ use crate::symbols::{Binding, Formula, Symbol, Symbols};
 use crate::units::parse_unit;
 use headland_expr::parse::{Comparison, Item, Program, parse, suggestion};
 use headland_expr::{Expr, Graph, NodeId, Op, Scalar};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -59,6 +59,8 @@ pub struct Lowering<'g> {
     pub unifier: Unifier,
     /// What is wrong so far.
     pub diagnostics: Vec<Diagnostic>,
+    /// Names of definitions and functions of time that an expression has used.
+    pub used: FxHashSet<String>,
     /// Prescribed coordinates that were declared with a unit.
     pub declared: FxHashMap<String, (Dimension, bool)>,
     pub(crate) instances: FxHashMap<Instance, State<'g>>,
@@ -69,8 +71,8 @@ pub struct Lowering<'g> {
     pub made: Vec<Made>,
     /// What the equations can tell, by name, with its dimension; known when outputs are made.
     pub(crate) derived_names: FxHashMap<String, (Derived, Dimension)>,
-    /// Sums over all bodies, by name.
-    pub(crate) totals: Vec<(String, Typed<'g>)>,
+    /// Sums over all bodies and, when outputs are made, residuals of constraints, by name.
+    pub(crate) totals: FxHashMap<String, Typed<'g>>,
     /// Those that were used.
     pub(crate) derived: Vec<DerivedQuantity>,
     /// Motions of the frames, once they are known.
@@ -122,7 +124,8 @@ impl<'g> Lowering<'g> {
             frames: Vec::new(),
             derived_names: FxHashMap::default(),
             derived: Vec::new(),
-            totals: Vec::new(),
+            totals: FxHashMap::default(),
+            used: FxHashSet::default(),
         }
     }
 

@@ -140,6 +140,7 @@ impl<'g> Builder<'_, 'g> {
             let mut row = self.constraint_row(&name, zero.expr, place)?;
             let velocity = per_time(&zero.dimension, u8::from(row.position.is_some()));
             row.force = Some((format!("{name}.force"), &Dimension::of(1, 2, -3) - &velocity));
+            row.dimension = velocity;
             self.parts.kinematics.push(row);
         }
         Ok(())

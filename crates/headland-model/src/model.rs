@@ -2,6 +2,7 @@
 
 use headland_expr::{Graph, NodeId};
 
+use crate::contact::Contact;
 use crate::dimension::Dimension;
 use crate::place::{Diagnostic, Place, Source};
 use crate::tree::JointTree;
@@ -84,13 +85,16 @@ pub struct KinematicRow {
     pub may_be_redundant: bool,
     /// Name and dimension of the force with which it is enforced.
     pub force: Option<(String, Dimension)>,
+    /// Dimension of what must be zero, of the velocities.
+    pub dimension: Dimension,
 }
 
 impl KinematicRow {
-    /// A row of form (2), or a velocity constraint.
+    /// A row of form (2), or a velocity constraint, in m/s.
     pub fn new(name: impl Into<String>, place: &Place, form: RowForm) -> Self {
         let (name, place) = (name.into(), place.clone());
-        Self { name, place, form, position: None, rate: None, may_be_redundant: false, force: None }
+        let dimension = Dimension::of(0, 1, -1);
+        Self { name, place, form, position: None, rate: None, may_be_redundant: false, force: None, dimension }
     }
 }
 
@@ -221,6 +225,8 @@ pub enum Derived {
     Power(String),
     /// A component of the force or torque in a joint.
     Reaction(Reaction),
+    /// A component of the force of a hard contact along the axes of its surface, or along its normal.
+    Contact(usize, Option<usize>),
 }
 
 /// What a velocity that a joint forbids would move: the joint's force along it is the sum of what that takes.
@@ -262,6 +268,19 @@ pub struct Guard {
     pub stop_below: Option<f64>,
     /// What it means.
     pub message: String,
+}
+
+/// A place where the equations are not defined.
+#[derive(Clone, Debug)]
+pub struct Hazard {
+    /// What must be above the limit, in SI units.
+    pub quantity: NodeId,
+    /// The limit.
+    pub limit: f64,
+    /// What is wrong at or below it, and what helps.
+    pub message: String,
+    /// Where the scene says so.
+    pub place: Place,
 }
 
 /// Which way an event function crosses zero.
@@ -363,6 +382,8 @@ pub struct Model {
     pub loads: Vec<Load>,
     /// Reactions, energies and powers that outputs use.
     pub derived: Vec<DerivedQuantity>,
+    /// Hard contacts, which may roll, slide and leave.
+    pub contacts: Vec<Contact>,
     /// The joints as a tree, where the bodies on it are all that has inertia.
     pub tree: Option<JointTree>,
     /// Definitions that something uses, in order of use.
@@ -371,6 +392,8 @@ pub struct Model {
     pub outputs: Vec<Quantity>,
     /// Limits of validity.
     pub guards: Vec<Guard>,
+    /// Places where the equations are not defined.
+    pub hazards: Vec<Hazard>,
     /// Events.
     pub events: Vec<Event>,
     /// Plots.
@@ -394,6 +417,12 @@ impl Model {
             inputs[p.input] = p.value;
         }
         inputs
+    }
+
+    /// The first place without equations at which the given inputs of the graph are.
+    pub fn hazard(&self, inputs: &[f64]) -> Option<&Hazard> {
+        let values = self.graph.eval(&self.hazards.iter().map(|h| h.quantity).collect::<Vec<_>>(), inputs);
+        self.hazards.iter().zip(values).find(|(h, value)| *value <= h.limit).map(|(h, _)| h)
     }
 
     /// Number of elements of a kind.

@@ -130,6 +130,7 @@ impl<'g> Lowering<'g> {
                 })
             }
             Symbol::Definition(..) => {
+                self.used.insert(name.into());
                 let Some(State::Done(typed)) = self.instances.get(&(symbol, member)) else { return Err(Reported) };
                 let typed = typed.clone();
                 if primes == 0 {
@@ -145,6 +146,9 @@ impl<'g> Lowering<'g> {
             }
             Symbol::Table(..) => {
                 Err(self.report(place, format!("`{name}` is a table; it is used as a function: `{name}(x)`")))
+            }
+            Symbol::Field(..) => {
+                Err(self.report(place, format!("`{name}` is a table; it is used as a function: `{name}(x, y)`")))
             }
             kind => {
                 let message = wrong_prime(kind);
@@ -165,8 +169,7 @@ impl<'g> Lowering<'g> {
         let (_, part) = name.split_once('.')?;
         let member = index.map_or(Ok(0), |i| self.symbols.index_value(i, bindings)).ok()?;
         let full = member_name(name, member);
-        if let Some((_, total)) = self.totals.iter().find(|(name, _)| *name == full) {
-            let total = total.clone();
+        if let Some(total) = self.totals.get(&full).cloned() {
             return Some(match self.time_derivative(total.expr, primes) {
                 Ok(expr) => Ok(Typed { expr, dimension: per_time(&total.dimension, primes), ..total }),
                 Err(message) => Err(self.report(place.clone(), format!("`{full}`: {message}"))),
@@ -174,10 +177,11 @@ impl<'g> Lowering<'g> {
         }
         let Some((what, dimension)) = self.derived_names.get(&full).cloned() else {
             let known = ["fx", "fy", "fz", "tx", "ty", "tz", "force", "power", "kinetic_energy", "potential_energy"];
-            if !known.contains(&part) || self.symbols.by_name.contains_key(name) {
+            if !(known.contains(&part) || part.ends_with("residual")) || self.symbols.by_name.contains_key(name) {
                 return None;
             }
-            let hint = suggestion(&full, self.derived_names.keys().map(String::as_str));
+            let names = self.derived_names.keys().chain(self.totals.keys());
+            let hint = suggestion(&full, names.map(String::as_str));
             let message = if self.derived_names.is_empty() {
                 format!(
                     "`{full}` follows from the equations of motion; it can stand in outputs, guards and events only"

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use headland_expr::parse::{Item, Program, parse};
-use headland_expr::{NodeId, Op, Spline};
+use headland_expr::{Field, NodeId, Op, Spline};
 use indexmap::IndexMap;
 use rustc_hash::FxHashMap;
 
@@ -55,6 +55,8 @@ pub enum Symbol {
     Definition(FxHashMap<i64, Rule>, DefinitionKind),
     /// A function by points, with the dimensions of abscissa and ordinate.
     Table(Arc<Spline>, Dimension, Dimension),
+    /// A function of two variables by points, with the dimensions of x, y and z.
+    Field(Arc<dyn Field>, [Dimension; 3]),
 }
 
 /// Where the members of a family stand in a list; the key 0 is a single thing without members.
@@ -127,7 +129,7 @@ impl Symbol {
             Symbol::Joint(..) => "a joint",
             Symbol::Definition(_, DefinitionKind::Prescribed) => "a prescribed coordinate",
             Symbol::Definition(..) => "a definition",
-            Symbol::Table(..) => "a table",
+            Symbol::Table(..) | Symbol::Field(..) => "a table",
         }
     }
 }

@@ -101,6 +101,12 @@ impl Balance {
         Ok(())
     }
 
+    /// Work done at once, by an impact.
+    pub fn add_work(&mut self, work: f64) {
+        self.work += work;
+        self.turnover += work.abs();
+    }
+
     /// The largest defect relative to the largest energy and work; 0 where nothing has energy.
     pub fn defect(&self) -> f64 {
         let size = self.largest.max(self.turnover);

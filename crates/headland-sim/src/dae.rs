@@ -7,7 +7,8 @@
 //! The first form, of index 2, keeps positions and velocities on the constraints; μ is zero but for the error of the
 //! method. The second drifts off both. λ and μ are left out of the error test.
 //!
-//! All functions take `x = [t, q, v, v′, λ, μ, q′]`. Outputs see the state as `[q, v, v′, λ]`.
+//! All functions take `x = [t, q, v, v′, λ, μ, q′]`. Outputs see the state as `[q, v, v′, λ]`, with v′ and λ that follow from q
+//! and v ([`crate::rates`]).
 //!
 //! # References
 //! Gear, Gupta, Leimkuhler, *Automatic integration of Euler-Lagrange equations with constraints*, J. Comput. Appl. Math.
@@ -20,6 +21,7 @@ use headland_solve::{
     DaeProblem, EvalFailure, Ida, OdeProblem, Options, Pattern, SolveError, StartLevel, Step, Unknown,
 };
 
+use crate::rates::{Rates, RatesScratch};
 use crate::system::{Copy, Problem};
 
 /// The residual of a descriptor and its exact Jacobian, compiled.
@@ -39,6 +41,7 @@ pub struct DaeFunctions {
     levels: Vec<StartLevel>,
     /// Residuals of the levels one after the other.
     level_residuals: Vec<TapeFunction>,
+    rates: Rates,
     nq: usize,
     nv: usize,
 }
@@ -151,7 +154,8 @@ impl DaeFunctions {
         third.extend(at("acceleration", &constraints));
         let unknowns: Vec<Unknown> = rate(nq, nq + nv).chain(state(nq + nv, nq + nv + nl)).collect();
         let ones = vec![1.0; unknowns.len()];
-        level(third, unknowns, ones, ids(&[&dynamic, &acceleration]));
+        let accelerated = ids(&[&dynamic, &acceleration]);
+        level(third, unknowns, ones, accelerated.clone());
         if stabilised && !holonomic.is_empty() {
             let mut fourth = rate_names;
             fourth.extend(at("drift", &holonomic));
@@ -172,6 +176,7 @@ impl DaeFunctions {
             places,
             levels,
             level_residuals,
+            rates: Rates::new(graph, &accelerated, 1 + nq + nv, nv),
             nq,
             nv,
         }
@@ -207,6 +212,7 @@ impl DaeFunctions {
             residual: self.residual.evaluator(),
             jacobian: self.jacobian.function().evaluator(),
             levels: self.level_residuals.iter().map(Function::evaluator).collect(),
+            rates: self.rates.scratch(),
         }
     }
 }
@@ -234,6 +240,7 @@ pub(crate) struct DaeScratch {
     residual: TapeEvaluator,
     jacobian: TapeEvaluator,
     levels: Vec<TapeEvaluator>,
+    rates: RatesScratch,
 }
 
 impl Problem {
@@ -247,6 +254,16 @@ impl Problem {
         x[1 + nq + 2 * nv..1 + nq + 2 * nv + algebraic.len()].copy_from_slice(algebraic);
         let first = x.len() - nq;
         x[first..].copy_from_slice(&dy[..nq]);
+    }
+}
+
+impl Problem {
+    /// v′ and λ in `x = [t, q, v, v′, λ, ..]` as they follow from q and v.
+    pub(crate) fn settle_rates(&mut self) {
+        let system = self.system.clone();
+        if let (Some(functions), Some(scratch)) = (&system.dae, &mut self.dae) {
+            scratch.rates.solve(&functions.rates, &mut self.x);
+        }
     }
 }
 
@@ -270,7 +287,7 @@ impl DaeProblem for Problem {
     }
 
     fn pattern(&self) -> Option<&Pattern> {
-        self.system.dae.as_ref().map(|d| &d.pattern)
+        self.system.dae.as_ref().filter(|d| d.jacobian.is_known()).map(|d| &d.pattern)
     }
 
     fn jacobian(&mut self, t: f64, y: &[f64], dy: &[f64], c: f64, values: &mut [f64]) -> Result<(), EvalFailure> {
@@ -294,6 +311,9 @@ impl DaeProblem for Problem {
 
     fn events(&mut self, t: f64, y: &[f64], dy: &[f64], g: &mut [f64]) -> Result<(), EvalFailure> {
         self.load_dae(t, y, dy);
+        if self.system.events.reads_accelerations {
+            self.settle_rates();
+        }
         self.watch(g);
         Ok(())
     }
@@ -325,9 +345,20 @@ impl DaeProblem for Problem {
     }
 }
 
+/// Absolute tolerance of λ and μ while stepping: none. What rounding leaves in a velocity or a position is in them, divided
+/// by the step; Newton's iteration, which alone looks at them, would fail by that at short steps, the more the shorter. What
+/// they do is in the velocities and coordinates, which are looked at.
+const UNTESTED: f64 = 1e9;
+
+/// Part of the tolerances to which Newton's iteration is driven: with the library's 0.33, and multipliers not looked at, what
+/// the iteration leaves disturbs the choice of steps, which are half as many again.
+const ITERATION: f64 = 0.01;
+
 /// IDA at work on a [`Problem`] whose system has [`DaeFunctions`].
 pub struct DaeStepper {
     pub(crate) ida: Ida,
+    /// Makes starts consistent, multipliers included.
+    strict: Ida,
     /// `[q, v, v′, λ]`
     pub(crate) view: Vec<f64>,
     pub(crate) notes: Vec<String>,
@@ -348,13 +379,15 @@ impl DaeStepper {
     pub fn new(functions: &DaeFunctions, mut options: Options) -> Result<Self, SolveError> {
         let n = functions.len();
         let (nq, nv, nl) = (functions.nq, functions.nv, functions.constraints.len());
-        // Newton's iteration alone looks at these; what rounding leaves in a position is in μ divided by the step
-        options.atol.resize(nq + nv + nl, options.rtol);
-        options.atol.resize(n, 1e6 * options.rtol);
+        options.atol.resize(n, options.rtol);
+        let strict = Ida::new(n, options.clone())?;
+        options.atol[nq + nv..].fill(UNTESTED);
+        options.iteration_tolerance = ITERATION;
         let view = vec![0.0; functions.view_len()];
         let (y, dy) = (vec![0.0; n], vec![0.0; n]);
         Ok(Self {
             ida: Ida::new(n, options.clone())?,
+            strict,
             options,
             started: false,
             view,
@@ -380,7 +413,7 @@ impl DaeStepper {
             self.dy[nq..nq + nv].copy_from_slice(&state[nq + nv..nq + 2 * nv]);
             self.y[nq + nv..nq + nv + self.nl].copy_from_slice(&state[nq + 2 * nv..]);
         }
-        let report = self.ida.make_consistent(problem, t, &mut self.y, &mut self.dy)?;
+        let report = self.strict.make_consistent(problem, t, &mut self.y, &mut self.dy)?;
         for change in &report.changes {
             let name = &change.component;
             if (0..nq + nv).any(|i| DaeProblem::component_name(problem, i) == *name) {

@@ -25,7 +25,8 @@ pub enum StateFunction {
     Force,
     /// `u′ = M⁻¹ F`: nu.
     Accelerations,
-    /// `∂[q′, u′]/∂[q, u]`, exact: n × n with `n = nq + nu`.
+    /// `∂[q′, u′]/∂[q, u]`, exact: n × n with `n = nq + nu`. NaN where it needs a derivative that a surface or table of two
+    /// variables does not have ([`Jacobian::is_known`]).
     Jacobian,
 }
 
@@ -154,7 +155,7 @@ impl Compiled {
                 roots.extend(&source.dynamics);
             } else {
                 let (mass, force) = source.dynamics.split_at(self.nu * (self.nu + 1) / 2);
-                roots.extend(force_residuals(graph, mass, force));
+                roots.extend(force_residuals(graph, 1 + self.nq + self.nu, mass, force));
             }
             Jacobian::new(graph, &roots, &states)
         })

@@ -17,18 +17,22 @@
 //! ```
 //!
 //! In order: [`system`] compiles the equations, `schedule` knows at which times a method must stop, `time_loop` steps,
-//! watches and changes the partition, `record` writes rows, [`balance`] keeps the energy's account, [`report`] tells,
+//! watches and changes the partition, `modes` lets contacts roll, slide and leave with the numbers of `contact`, `record` writes rows, [`balance`] keeps the energy's account, [`report`] tells,
 //! and [`run`](mod@run) does it all. Beside them, [`functions`] gives M, F, q′, u′ and their Jacobian to whoever steps himself; [`stepper`] is what
 //! steps, and `dae` the other formulation: constraints with multipliers, for IDA.
 
 pub mod balance;
+mod contact;
 #[cfg(feature = "ida")]
 pub mod dae;
 pub mod functions;
 pub mod loops;
+mod modes;
 pub mod options;
 mod passage;
 pub mod project;
+#[cfg(feature = "ida")]
+mod rates;
 mod record;
 pub mod report;
 pub mod run;

@@ -61,6 +61,12 @@ pub enum RunError {
     /// A method or an option is wrong.
     #[error(transparent)]
     Solve(#[from] SolveError),
+    /// The method does not suit the scene.
+    #[error("{message}")]
+    Method {
+        /// Why, and which do.
+        message: String,
+    },
     /// An output time outside the run.
     #[error("output time {t} s lies outside the run from {from} s to {until} s")]
     OutputTime {

@@ -95,6 +95,10 @@ impl Recorder {
             } else {
                 integrator.interpolate(&mut work.problem, t, &mut y)?;
             }
+            if work.system.nu == 0 {
+                // nothing moves of itself: the constraints give the positions, to rounding
+                work.problem.settle_positions(t, &mut y);
+            }
             self.row(work, t, &y);
             self.y = y;
         }

@@ -84,6 +84,8 @@ pub struct RunReport {
     pub events: u64,
     /// Changes of the independent rates.
     pub repartitions: u64,
+    /// Changes of contacts between rolling, sliding and free.
+    pub mode_changes: u64,
     /// Restarts of the method, those at breakpoints included.
     pub restarts: u64,
     /// Derivation, s.

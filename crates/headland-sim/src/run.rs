@@ -8,7 +8,9 @@ use headland_dynamics::{DeriveError, Equations, derive};
 use headland_model::Model;
 #[cfg(feature = "ida")]
 use headland_solve::Method;
+use typed_arena::Arena;
 
+use crate::modes::{model_at_start, refuse};
 use crate::options::{RunError, RunOptions};
 use crate::record::Recorder;
 use crate::report::{Observer, RunReport, Silent, Trajectory};
@@ -32,7 +34,11 @@ pub struct Run {
 /// [`RunError`] if it cannot start; a run that fails on the way gives its report and all that was computed.
 pub fn run(model: &Model, options: &RunOptions, observer: &mut dyn Observer) -> Result<Run, RunError> {
     check(options)?;
-    let prepared = Prepared::new(model, options)?;
+    if let Some(message) = refuse(model, options) {
+        return Err(RunError::Method { message });
+    }
+    let arena = Arena::new();
+    let prepared = Prepared::new(model_at_start(model, &arena), options)?;
     let clock = Instant::now();
     let schedule = Rc::new(Schedule::new(model, options));
     let compile_s = prepared.compile_s + clock.elapsed().as_secs_f64();
@@ -45,7 +51,7 @@ pub fn run(model: &Model, options: &RunOptions, observer: &mut dyn Observer) -> 
         let watcher: &mut dyn Observer = if repeat == 0 { &mut *observer } else { &mut silent };
         let mut recorder = Recorder::new(model, options);
         let clock = Instant::now();
-        let mut time_loop = TimeLoop::new(model, &prepared, schedule.clone(), options)?;
+        let mut time_loop = TimeLoop::new(model, &prepared, schedule.clone(), options, &arena)?;
         time_loop.run(&mut recorder, watcher);
         let ending = time_loop.end();
         times.push(clock.elapsed().as_secs_f64() - ending.derive_s - ending.compile_s);
@@ -71,6 +77,7 @@ pub fn run(model: &Model, options: &RunOptions, observer: &mut dyn Observer) -> 
         factorizations: ending.stats.factorizations,
         events: ending.stats.events,
         repartitions: ending.repartitions,
+        mode_changes: ending.mode_changes,
         restarts: ending.stats.restarts,
         derive_s: derive_s + ending.derive_s,
         compile_s: compile_s + ending.compile_s,
@@ -89,7 +96,9 @@ pub fn run(model: &Model, options: &RunOptions, observer: &mut dyn Observer) -> 
 }
 
 /// Equations derived and compiled as the method wants them.
-pub(crate) struct Prepared {
+pub(crate) struct Prepared<'m> {
+    /// The model, contacts in the modes of the start.
+    pub(crate) model: &'m Model,
     /// Those of the system.
     pub(crate) equations: Equations,
     /// Those by elimination, which know the degrees of freedom and the start.
@@ -101,8 +110,8 @@ pub(crate) struct Prepared {
     compile_s: f64,
 }
 
-impl Prepared {
-    fn new(model: &Model, options: &RunOptions) -> Result<Self, RunError> {
+impl<'m> Prepared<'m> {
+    fn new(model: &'m Model, options: &RunOptions) -> Result<Self, RunError> {
         let clock = Instant::now();
         let eliminated = derive(model, &options.derive)?;
         let derive_s = clock.elapsed().as_secs_f64();
@@ -113,12 +122,12 @@ impl Prepared {
         let clock = Instant::now();
         let system = Rc::new(System::new(model, &eliminated));
         let compile_s = clock.elapsed().as_secs_f64();
-        Ok(Self { equations: eliminated.clone(), eliminated, system, why: None, derive_s, compile_s })
+        Ok(Self { model, equations: eliminated.clone(), eliminated, system, why: None, derive_s, compile_s })
     }
 
     /// Nothing eliminated: for IDA.
     #[cfg(feature = "ida")]
-    fn descriptor(model: &Model, eliminated: Equations, method: Method, derive_s: f64) -> Result<Self, RunError> {
+    fn descriptor(model: &'m Model, eliminated: Equations, method: Method, derive_s: f64) -> Result<Self, RunError> {
         use crate::dae::Form;
         let clock = Instant::now();
         let descriptor = headland_dynamics::form_descriptor(model, &eliminated.kinematics.redundant)?;
@@ -137,7 +146,7 @@ impl Prepared {
             Form::Index1 => format!("asked for; index 1: {constraints} multipliers, positions and velocities drift"),
         };
         let compile_s = clock.elapsed().as_secs_f64();
-        Ok(Self { equations: descriptor.equations, eliminated, system, why: Some(why), derive_s, compile_s })
+        Ok(Self { model, equations: descriptor.equations, eliminated, system, why: Some(why), derive_s, compile_s })
     }
 
     /// The state at the start, and what was done to get there.

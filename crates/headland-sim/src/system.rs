@@ -11,7 +11,7 @@ use headland_dynamics::descriptor::{ByMultipliers, Descriptor};
 use headland_dynamics::solve::{packed, solve_crout, solve_ldl, unpack};
 use headland_dynamics::{Equations, Kinematics};
 use headland_expr::{Expr, Graph, NodeId};
-use headland_model::{LinearSolver, Model, RowForm};
+use headland_model::{LinearSolver, Mode, Model, RowForm};
 use headland_solve::{EvalFailure, OdeProblem, Pattern};
 
 use crate::loops::{LoopScratch, Loops};
@@ -26,6 +26,21 @@ pub enum Watch {
     Guard(usize),
     /// A guard's warning, by its position.
     Warning(usize),
+    /// What may end the mode of a contact, by its position; only where it falls below zero.
+    Contact(usize, Limit),
+}
+
+/// What may end the mode of a contact.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Limit {
+    /// Free: the gap.
+    Gap,
+    /// Touching: the normal force.
+    Normal,
+    /// Rolling: what friction is left.
+    Cone,
+    /// Sliding: the slip.
+    Slip,
 }
 
 /// A compiled function of `x = [t, y, u′]` that knows whether it reads u′: if not, none has to be found for it.
@@ -74,7 +89,16 @@ pub struct System {
     pub redundant: Vec<usize>,
     /// Scaled entries of G of the dependent rates: the growth of the partition.
     pub growth: Compiled,
-    events: Compiled,
+    /// What is known of each contact, in the order of [`crate::contact::nodes_of`], then the lower triangle of M.
+    contacts: Vec<NodeId>,
+    contact_function: OnceCell<TapeFunction>,
+    /// What each contact does.
+    pub modes: Vec<Mode>,
+    /// Slip velocities of contacts that slide, then the matrix of their normal forces.
+    pub(crate) slides: Compiled,
+    /// First of the inputs that say in which direction contacts slide: six each, direction and shift.
+    pub(crate) slides_from: usize,
+    pub(crate) events: Compiled,
     /// What each event function watches.
     pub watches: Vec<Watch>,
     /// Multipliers that stand as inputs behind u′: none with elimination.
@@ -147,8 +171,15 @@ impl System {
         let constraints = model.kinematics.iter().enumerate().filter(|(_, r)| matches!(r.form, RowForm::Zero(_)));
         let redundant = constraints.enumerate().filter(|(_, (row, _))| kinematics.redundant.contains(row));
         let redundant: Vec<usize> = redundant.map(|(position, _)| position).collect();
-        let (watches, events) =
+        let (mut watches, mut events) =
             Self::event_nodes(model, graph, &guards, &by_state(model.events.iter().map(|e| e.quantity).collect()));
+        let contacts = by_state(model.contacts.iter().flat_map(crate::contact::nodes_of).collect());
+        for (watch, node) in crate::contact::limits(model, graph, &contacts, 1 + nq + 2 * nu) {
+            watches.push(watch);
+            events.push(node);
+        }
+        let sliding = model.contacts.iter().filter(|c| c.mode == Mode::Sliding).flat_map(|c| c.slip).collect();
+        let slides = [by_state(sliding), copy.nodes(&equations.friction_pivots)].concat();
         let growth = Self::growth_nodes(equations, graph, copy);
         let energies = Self::energy_nodes(equations, graph, copy, drives);
 
@@ -156,7 +187,7 @@ impl System {
         let loops = Loops::new(model, equations, &kinematics);
         let by_loops = loops.as_ref().map(|l| [&rhs_roots[..nq], &copy.nodes(&l.forces)].concat());
         let compile = |nodes: &[NodeId]| {
-            let reads = graph.depends(nodes, |input| input > nq + nu);
+            let reads = graph.depends(nodes, |input| input > nq + nu && input <= nq + 2 * nu);
             Compiled { function: plain(nodes), reads_accelerations: reads.contains(&true) }
         };
         let names =
@@ -176,6 +207,11 @@ impl System {
             positions: Positions::new(graph, &holonomic, nq),
             redundant,
             growth: compile(&growth),
+            contacts: if contacts.is_empty() { contacts } else { [contacts, copy.nodes(&equations.mass)].concat() },
+            contact_function: OnceCell::new(),
+            modes: model.modes(),
+            slides: compile(&slides),
+            slides_from: 1 + nq + 2 * nu,
             events: compile(&events),
             jacobian: OnceCell::new(),
             linear_solver: equations.linear_solver,
@@ -285,15 +321,19 @@ impl System {
         let (nq, triangle) = (self.nq, self.nu * (self.nu + 1) / 2);
         let mut roots = self.rhs_roots[..nq].to_vec();
         let (mass, force) = self.rhs_roots[nq..].split_at(triangle);
-        roots.extend(force_residuals(&self.graph, mass, force));
+        roots.extend(force_residuals(&self.graph, 1 + self.len(), mass, force));
         roots
+    }
+
+    /// The function of all contacts, compiled; for what happens at events.
+    pub(crate) fn contact_function(&self) -> &TapeFunction {
+        self.contact_function.get_or_init(|| TapeFunction::compile(&self.graph, &self.contacts))
     }
 }
 
-/// `M a − F` with a the last inputs of the graph, u′.
-pub(crate) fn force_residuals(graph: &Graph, mass: &[NodeId], force: &[NodeId]) -> Vec<NodeId> {
+/// `M a − F` with a the inputs u′, which begin at `first`.
+pub(crate) fn force_residuals(graph: &Graph, first: usize, mass: &[NodeId], force: &[NodeId]) -> Vec<NodeId> {
     let nu = force.len();
-    let first = graph.input_count() - nu;
     let row = |i: usize| {
         let mut sum = -graph.expr(force[i]);
         for j in 0..nu {
@@ -323,6 +363,11 @@ impl<'t> Copy<'t> {
         }
         for u in &kinematics.quasi {
             inputs[model.input_index(u.acceleration)] = Some(target.input(&format!("{}'", u.name)));
+        }
+        for contact in &model.contacts {
+            for (part, input) in contact.friction.iter().flat_map(|f| f.direction.iter().chain(&f.shift)).enumerate() {
+                inputs[model.input_index(*input)] = Some(target.input(&format!("{} {part}", contact.name)));
+            }
         }
         for p in &model.parameters {
             inputs[p.input] = Some(Expr::Const(p.value));
@@ -404,6 +449,11 @@ impl Problem {
         self.x[1..=y.len()].copy_from_slice(y);
     }
 
+    /// Sets inputs behind the rates of the velocities.
+    pub(crate) fn set_inputs(&mut self, first: usize, values: &[f64]) {
+        self.x[first..first + values.len()].copy_from_slice(values);
+    }
+
     /// Event functions at `x`.
     pub(crate) fn watch(&mut self, g: &mut [f64]) {
         g.copy_from_slice(self.events.eval(&self.x));
@@ -413,6 +463,15 @@ impl Problem {
     pub fn position_residual(&mut self, t: f64, y: &[f64]) -> f64 {
         self.load(t, y);
         self.projector.worst(&self.x)
+    }
+
+    /// Moves the coordinates of `y` onto the constraints on positions, as far as that succeeds.
+    pub(crate) fn settle_positions(&mut self, t: f64, y: &mut [f64]) {
+        self.load(t, y);
+        let system = self.system.clone();
+        if self.projector.project(&system.positions, &mut self.x) {
+            y[..system.nq].copy_from_slice(&self.x[1..=system.nq]);
+        }
     }
 
     /// `x` for a compiled function: with u′ only if it reads them.
@@ -428,6 +487,8 @@ impl Problem {
     pub fn full_inputs(&mut self, t: f64, y: &[f64]) -> &[f64] {
         if y.len() > self.system.len() {
             self.load(t, y);
+            #[cfg(feature = "ida")]
+            self.settle_rates();
             return &self.x;
         }
         let mut dy = std::mem::take(&mut self.dy);
@@ -474,7 +535,8 @@ impl OdeProblem for Problem {
     fn pattern(&self) -> Option<&Pattern> {
         // the symbolic Jacobian of a long recursion costs more than differences
         let wanted = self.exact_jacobian && (self.system.loops.is_none() || self.system.nu <= 16);
-        wanted.then(|| &self.system.jacobian().1)
+        let known = || Some(self.system.jacobian()).filter(|(jacobian, _)| jacobian.is_known());
+        wanted.then(known).flatten().map(|(_, pattern)| pattern)
     }
 
     fn jacobian(&mut self, t: f64, y: &[f64], values: &mut [f64]) -> Result<(), EvalFailure> {

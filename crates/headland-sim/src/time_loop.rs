@@ -7,8 +7,10 @@ use headland_code::Evaluator;
 use headland_dynamics::{Equations, choose_dependent, derive_at};
 use headland_model::{Direction, Model, RowForm};
 use headland_solve::{Method, Options, SolveError, Stats, Step};
+use typed_arena::Arena;
 
 use crate::balance::Balance;
+use crate::modes::{Contacts, Form};
 use crate::options::{RunError, RunOptions};
 use crate::passage::Passage;
 use crate::record::Recorder;
@@ -28,23 +30,25 @@ const LENIENCY: f64 = 1e2;
 
 /// A run in progress.
 pub(crate) struct TimeLoop<'m> {
-    model: &'m Model,
-    equations: Equations,
-    options: &'m RunOptions,
+    pub(crate) model: &'m Model,
+    pub(crate) equations: Equations,
+    pub(crate) options: &'m RunOptions,
     schedule: Rc<Schedule>,
-    work: Work,
-    method: Method,
+    pub(crate) work: Work,
+    pub(crate) method: Method,
     why: String,
     integrator: Stepper,
-    y: Vec<f64>,
-    balance: Option<Balance>,
+    pub(crate) y: Vec<f64>,
+    pub(crate) balance: Option<Balance>,
     growth_limit: f64,
     warned: Vec<bool>,
     passage: Passage,
     /// Passages through places where the constraints lose rank.
     passages: u64,
-    known: Vec<(Equations, Rc<System>)>,
-    ending: Ending,
+    /// Equations that were derived before.
+    pub(crate) known: Vec<Form<'m>>,
+    pub(crate) contacts: Contacts<'m>,
+    pub(crate) ending: Ending,
 }
 
 /// What is known when the loop has ended.
@@ -56,6 +60,7 @@ pub(crate) struct Ending {
     pub(crate) t: f64,
     pub(crate) stats: Stats,
     pub(crate) repartitions: u64,
+    pub(crate) mode_changes: u64,
     pub(crate) derive_s: f64,
     pub(crate) compile_s: f64,
     pub(crate) energy_balance: Option<f64>,
@@ -66,12 +71,14 @@ pub(crate) struct Ending {
 impl<'m> TimeLoop<'m> {
     /// Everything ready to start.
     pub(crate) fn new(
-        model: &'m Model,
-        prepared: &Prepared,
+        scene: &'m Model,
+        prepared: &Prepared<'m>,
         schedule: Rc<Schedule>,
         options: &'m RunOptions,
+        arena: &'m Arena<Model>,
     ) -> Result<Self, RunError> {
-        let Prepared { equations, system, .. } = prepared;
+        let Prepared { model, equations, system, .. } = prepared;
+        let model = *model;
         let auto = options.method == "auto";
         let method = if auto { Method::Dop853 } else { Method::parse(&options.method)? };
         let why = match &prepared.why {
@@ -91,7 +98,8 @@ impl<'m> TimeLoop<'m> {
             warned: vec![false; model.guards.len()],
             passage: Passage::default(),
             passages: 0,
-            known: vec![(equations.clone(), system.clone())],
+            known: vec![Form { model, equations: equations.clone(), system: system.clone() }],
+            contacts: Contacts::new(scene, model, arena, options.tolerance),
             equations: equations.clone(),
             growth_limit: if model.run.independent.is_some() { 10.0 * GROWTH } else { GROWTH },
             why: why.into(),
@@ -102,6 +110,7 @@ impl<'m> TimeLoop<'m> {
                 t: options.from,
                 stats: Stats::default(),
                 repartitions: 0,
+                mode_changes: 0,
                 derive_s: 0.0,
                 compile_s: 0.0,
                 energy_balance: None,
@@ -157,6 +166,10 @@ impl<'m> TimeLoop<'m> {
         for entry in &self.ending.log {
             observer.message(t, &entry.message);
         }
+        self.start_contacts(observer)?;
+        if self.ending.status != Status::Done {
+            return Ok(());
+        }
         self.start(t, observer)?;
         if let Some(balance) = &mut self.balance {
             balance.open(&mut self.work.problem, t, &self.y);
@@ -177,6 +190,9 @@ impl<'m> TimeLoop<'m> {
             stop = t + h;
             self.integrator.set_leniency(LENIENCY);
         }
+        if let Some(soon) = self.contacts.soon.take().filter(|soon| *soon > t) {
+            stop = stop.min(soon);
+        }
         let step = self.integrator.step(&mut self.work.problem, stop)?;
         self.integrator.set_leniency(1.0);
         let t = self.integrator.t();
@@ -192,8 +208,15 @@ impl<'m> TimeLoop<'m> {
         self.y.clear();
         self.y.extend_from_slice(self.integrator.y());
         self.watch_guards(t, observer);
+        self.aim_slides(t);
         if let Step::Event { index, rising, .. } = step {
-            self.on_event(self.work.system.watches[index], t, rising, observer);
+            match self.work.system.watches[index] {
+                Watch::Contact(k, limit) if !rising => return self.on_limit(t, k, limit, observer),
+                watch => self.on_event(watch, t, rising, observer),
+            }
+        }
+        if let Some((k, limit)) = self.overlooked_limit(t)? {
+            return self.on_limit(t, k, limit, observer);
         }
         if self.ending.status != Status::Done || t >= self.options.until {
             return Ok(());
@@ -214,6 +237,14 @@ impl<'m> TimeLoop<'m> {
             self.start(t, observer)?;
         }
         Ok(())
+    }
+
+    /// Starts the method again at the state `y`, after something jumped.
+    pub(crate) fn restart(&mut self, t: f64, observer: &mut dyn Observer) -> Result<(), SolveError> {
+        let (a, b) = self.schedule.span(t);
+        self.work.problem.set_span(a, b);
+        self.passage.forget();
+        self.start(t, observer)
     }
 
     /// Starts the method at the state `y`, and tells what it changed there.
@@ -242,7 +273,7 @@ impl<'m> TimeLoop<'m> {
     /// `auto` goes over to BDF when the explicit method's steps stay at the bound of stability.
     fn leave_explicit(&mut self, t: f64, observer: &mut dyn Observer) -> Result<bool, SolveError> {
         let auto = self.options.method == "auto" && self.method == Method::Dop853;
-        if !auto || !self.integrator.looks_stiff() || !Method::CvodeBdf.is_built() {
+        if !auto || !self.integrator.looks_stiff() || !Method::CvodeBdf.is_built() || self.begins_to_slide(t) {
             return Ok(false);
         }
         self.method = Method::CvodeBdf;
@@ -252,6 +283,13 @@ impl<'m> TimeLoop<'m> {
         self.tell(t, "the motion looks stiff: going on with cvode-bdf", observer);
         self.use_system(self.work.system.clone())?;
         Ok(true)
+    }
+
+    /// `auto` tries the explicit method again: what was stiff in one mode of the contacts need not be in the next.
+    pub(crate) fn explicit_again(&mut self) {
+        if self.options.method == "auto" {
+            self.method = Method::Dop853;
+        }
     }
 
     /// Looks for better independent rates when the entries of G have grown.
@@ -350,8 +388,10 @@ impl<'m> TimeLoop<'m> {
         if dependent == self.work.system.kinematics.dependent {
             return None;
         }
-        if let Some(known) = self.known.iter().find(|(e, _)| e.kinematics.dependent == dependent) {
-            return Some(known.clone());
+        let modes = &self.work.system.modes;
+        let is_wanted = |f: &&Form<'_>| f.system.modes == *modes && f.equations.kinematics.dependent == dependent;
+        if let Some(known) = self.known.iter().find(is_wanted) {
+            return Some((known.equations.clone(), known.system.clone()));
         }
         let clock = Instant::now();
         let equations = derive_at(self.model, inputs, &self.options.derive).ok()?;
@@ -359,12 +399,12 @@ impl<'m> TimeLoop<'m> {
         let clock = Instant::now();
         let system = Rc::new(System::new(self.model, &equations));
         self.ending.compile_s += clock.elapsed().as_secs_f64();
-        self.known.push((equations.clone(), system.clone()));
+        self.known.push(Form { model: self.model, equations: equations.clone(), system: system.clone() });
         Some((equations, system))
     }
 
     /// Goes over to another system or method; the caller restarts the integrator.
-    fn use_system(&mut self, system: Rc<System>) -> Result<(), SolveError> {
+    pub(crate) fn use_system(&mut self, system: Rc<System>) -> Result<(), SolveError> {
         add(&mut self.ending.stats, self.integrator.stats());
         self.ending.stats.restarts += 1; // the new integrator does not count its first start
         let mut options = solver_options(self.model, &system, self.options);
@@ -374,6 +414,7 @@ impl<'m> TimeLoop<'m> {
             balance.change_system(system.clone());
         }
         self.work = Work::new(system, self.method);
+        self.contacts.aim(&mut self.work.problem);
         Ok(())
     }
 
@@ -421,7 +462,7 @@ impl<'m> TimeLoop<'m> {
                 let limit = self.model.guards[i].stop_below.unwrap_or_default();
                 self.stop_by_guard(t, i, limit, limit);
             }
-            Watch::Guard(_) => {}
+            Watch::Guard(_) | Watch::Contact(..) => {}
             Watch::Warning(i) => {
                 if !rising && !self.warned[i] {
                     self.warn_of_guard(t, i, self.model.guards[i].warn_below.unwrap_or_default(), observer);
@@ -445,7 +486,7 @@ impl<'m> TimeLoop<'m> {
         }
     }
 
-    fn tell(&mut self, t: f64, message: &str, observer: &mut dyn Observer) {
+    pub(crate) fn tell(&mut self, t: f64, message: &str, observer: &mut dyn Observer) {
         observer.message(t, message);
         self.ending.log.push(LogEntry { t, message: message.into() });
     }

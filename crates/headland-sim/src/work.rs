@@ -6,8 +6,9 @@ use headland_code::{Evaluator, Function, TapeEvaluator};
 use headland_dynamics::initial::{Moved, assemble, kinematic_matrices};
 use headland_dynamics::kinematics::velocity_inputs;
 use headland_dynamics::sample::first_not_finite;
+use headland_dynamics::solve::solve_crout;
 use headland_dynamics::{DeriveError, Equations, initial_velocities};
-use headland_model::Model;
+use headland_model::{Mode, Model};
 use headland_solve::{Method, Options};
 
 use crate::options::RunOptions;
@@ -21,6 +22,7 @@ pub(crate) struct Work {
     pub(crate) residuals: TapeEvaluator,
     pub(crate) guards: TapeEvaluator,
     growth: TapeEvaluator,
+    slides: TapeEvaluator,
     pivots: TapeEvaluator,
     energies: TapeEvaluator,
     pub(crate) has_residuals: bool,
@@ -34,6 +36,7 @@ impl Work {
             residuals: system.residuals.function.evaluator(),
             guards: system.guards.function.evaluator(),
             growth: system.growth.function.evaluator(),
+            slides: system.slides.function.evaluator(),
             pivots: system.pivots.function.evaluator(),
             energies: system.energies.function.evaluator(),
             has_residuals: system.residuals.function.outputs() > 0,
@@ -61,6 +64,29 @@ impl Work {
             return &[];
         }
         self.pivots.eval(self.problem.inputs_for(&self.system.pivots, t, y))
+    }
+
+    /// Slip velocities of the contacts that slide.
+    pub(crate) fn slips(&mut self, t: f64, y: &[f64]) -> Vec<[f64; 3]> {
+        let count = self.system.modes.iter().filter(|m| **m == Mode::Sliding).count();
+        let x = self.problem.inputs_for(&self.system.slides, t, y);
+        let out = self.slides.eval(x);
+        (0..count).map(|k| [out[3 * k], out[3 * k + 1], out[3 * k + 2]]).collect()
+    }
+
+    /// A message where friction of sliding contacts and their normal forces have no single solution.
+    pub(crate) fn unsolvable_friction(&mut self, t: f64, y: &[f64]) -> Option<String> {
+        let count = self.system.modes.iter().filter(|m| **m == Mode::Sliding).count();
+        let x = self.problem.inputs_for(&self.system.slides, t, y);
+        let mut matrix = self.slides.eval(x).get(3 * count..)?.to_vec();
+        let n = (matrix.len() as f64).sqrt() as usize;
+        solve_crout(&mut matrix, &mut vec![0.0; n]);
+        (0..n).any(|i| matrix[i * n + i] <= 0.0).then(|| {
+            format!(
+                "at t = {t} s sliding friction has no solution or more than one: the normal force grows with the friction \
+                 that it causes (Painlevé's paradox)"
+            )
+        })
     }
 
     /// Largest residual among the constraints that were left out as redundant, beyond what those kept explain, with its

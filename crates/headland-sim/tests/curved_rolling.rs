@@ -176,6 +176,14 @@ fn what_would_touch_in_two_places_is_told() {
     assert!(status.contains("would touch in more than one place"), "{status}");
 }
 
+/// A surface with a name, in a frame of its own, is the same ground.
+#[test]
+fn named_surfaces_are_ground_for_wheels() {
+    let named = "on = \"bowl\"\n[[surface]]\nname = \"bowl\"\nshape = \"sphere\"\nradius = 1.5\ninside = true\n";
+    let [a, b] = [GROUNDS[1].0, named].map(|ground| run(&roller(FORMS[2].1, ground, GROUNDS[1].1), 1.0, 1e-11));
+    assert!(difference(&a, &b, 13) < 1e-12);
+}
+
 /// Bodies that roll on bodies, nothing else acting: momentum, angular momentum and energy stay, whichever of the two is the
 /// ground.
 #[test]

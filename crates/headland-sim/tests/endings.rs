@@ -36,6 +36,20 @@ fn times(run: &Run, what: &str) -> Vec<f64> {
     run.report.log.iter().filter(|l| l.message.contains(what)).map(|l| l.t).collect()
 }
 
+/// A spring whose ends meet on the way: the slide of one end stops, exactly, where the other is.
+#[test]
+fn a_spring_that_loses_its_direction_is_named() {
+    let text = "[[body]]\nname = \"a\"\nmass = 1\n[[joint]]\nname = \"z\"\nkind = \"prismatic\"\nto = \"a\"\n\
+                [[body]]\nname = \"hand\"\nmass = 1\n[[joint]]\nname = \"y\"\nkind = \"prismatic\"\naxis = \"y\"\nto = \"hand\"\n\
+                [prescribed]\ny = \"max(1[m] - t*1[m/s], 0[m])\"\n\
+                [[spring]]\nname = \"s\"\nfrom = \"hand\"\nto = \"a\"\nstiffness = 1\nfree_length = 0.1\n\
+                [run]\nuntil = 2\n";
+    let run = run_with(&build(&read(text)), |_| {});
+    let Status::Failed(reason) = &run.report.status else { panic!("{:?}", run.report.status) };
+    assert!(reason.contains("the ends of the spring `s` are in the same place"), "{reason}");
+    assert!(reason.contains("at t = 1"), "{reason}");
+}
+
 #[test]
 fn the_ground_is_hit_when_it_is_hit() {
     let methods: &[&str] = if cfg!(feature = "cvode") { &["auto", "cvode-bdf", "cvode-adams"] } else { &["auto"] };

@@ -36,6 +36,8 @@ pub struct Options {
     /// IDA: whether all algebraic components are left out of the error test. Off by default; wanted
     /// for problems of index 2, whose multipliers are less accurate than the rest.
     pub suppress_algebraic: bool,
+    /// IDA: part of the tolerances to which Newton's iteration is driven; 0.33 by default, that of the library.
+    pub iteration_tolerance: f64,
 }
 
 impl Options {
@@ -52,6 +54,7 @@ impl Options {
             max_order: None,
             stability_limit_detection: false,
             suppress_algebraic: false,
+            iteration_tolerance: 0.33,
         }
     }
 
@@ -78,6 +81,13 @@ impl Options {
         }
         if let Some(h) = self.h_first.filter(|&h| !positive(h)) {
             return wrong("h_first", format!("{h:e}"), "positive, finite".to_owned());
+        }
+        if !positive(self.iteration_tolerance) {
+            return wrong(
+                "iteration_tolerance",
+                format!("{:e}", self.iteration_tolerance),
+                "positive, finite".to_owned(),
+            );
         }
         if self.h_max.is_nan() || self.h_max <= 0.0 {
             return wrong("h_max", format!("{:e}", self.h_max), "positive".to_owned());

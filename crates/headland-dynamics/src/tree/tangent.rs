@@ -1,10 +1,12 @@
 //! [`Tangent`]: a number with its derivatives in as many directions as there are lanes.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::sync::Arc;
 
 use headland_code::Lanes;
+use headland_expr::field::field_slopes;
 use headland_expr::ops::{Op, apply, partials};
-use headland_expr::{Scalar, Spline};
+use headland_expr::{Field, Scalar, Spline};
 
 /// A value and its derivatives in [`Lanes::WIDTH`] directions. The value is computed once for all of them, which
 /// `Dual<L>` would do in every lane.
@@ -114,12 +116,17 @@ impl<L: Lanes> Scalar for Tangent<L> {
     fn spline(self, table: &Spline, order: u8) -> Self {
         Self::scaled(self.value.spline(table, order), self.value.spline(table, order + 1), self.dot)
     }
+    fn field(point: [Self; 3], field: &Arc<dyn Field>, part: usize) -> Self {
+        let (value, slopes) = field_slopes(&**field, point.map(|x| x.value), part);
+        let dots = point.iter().zip(slopes).map(|(x, slope)| L::constant(slope) * x.dot);
+        Self { value, dot: dots.reduce(Add::add).unwrap_or(L::constant(0.0)) }
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use headland_expr::Dual;
     use headland_expr::ops::OPS;
+    use headland_expr::{Dual, FIELD_PARTS, Wave};
 
     use super::*;
 
@@ -144,5 +151,17 @@ mod tests {
         let (sin, cos) = x.sin_cos();
         assert_eq!((sin.dot, cos.dot), (0.7 * 1.3f64.cos(), -0.7 * 1.3f64.sin()));
         assert_eq!((x.powi(3).dot, x.powi(0).dot), (0.7 * (3.0 * (1.3 * 1.3)), 0.0));
+    }
+
+    #[test]
+    fn fields_have_the_derivatives_of_dual_numbers() {
+        let wave = Wave { name: "wave".into(), rate: [0.7, -1.1, 0.4], phase: [0.1, 1.3, -0.6] };
+        let field: Arc<dyn Field> = Arc::new(wave);
+        let (at, along) = ([0.3, -0.8, 1.1], [0.2, 0.5, -0.9]);
+        for part in 0..FIELD_PARTS[2] {
+            let d = Dual::field(std::array::from_fn(|i| Dual::new(at[i], along[i])), &field, part);
+            let t = Tangent::<f64>::field(std::array::from_fn(|i| Tangent::new(at[i], along[i])), &field, part);
+            assert_eq!((d.value, d.dot), (t.value, t.dot), "part {part}");
+        }
     }
 }

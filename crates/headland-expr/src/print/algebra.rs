@@ -2,6 +2,7 @@
 //! and functions last in a product, signs are drawn out. Regrouping makes the value equal up to rounding, not bit for bit.
 
 use super::{ATOM, POWER, PREFIX, PRODUCT, SUM, Style, Task, Writer, names};
+use crate::field::field_exponents;
 use crate::graph::{Node, NodeId};
 use crate::ops::{Form, Op, OpInfo};
 
@@ -244,6 +245,7 @@ impl Writer<'_> {
                 out.push(Task::owned(name + &"'".repeat(node.args[2] as usize)));
                 self.arguments(&[a], depth, out);
             }
+            Op::Field => self.field(node, depth, out),
             Op::Select => self.select(node, depth, out),
             Op::Sqrt if self.latex() => out.extend([Task::text("\\sqrt{"), sub(a, 0, false), Task::text("}")]),
             Op::Abs if self.latex() => out.extend([Task::text("\\left|"), sub(a, 0, false), Task::text("\\right|")]),
@@ -333,6 +335,23 @@ impl Writer<'_> {
             out.push(Task::Node { id, level: 0, unsigned: false, depth: depth + 1 });
         }
         out.push(Task::text(if self.latex() { "\\right)" } else { ")" }));
+    }
+
+    /// `f(x, y, z)`; its derivatives `f'xy(x, y, z)`, in LaTeX `∂_{xy} f(x, y, z)`.
+    fn field(&self, node: Node, depth: u32, out: &mut Vec<Task>) {
+        let field = self.graph.field(node.field);
+        let name = names::styled(self.style, field.name());
+        let along: String = match field_exponents(usize::from(node.part)) {
+            Some(times) => ["x", "y", "z"].into_iter().zip(times).map(|(axis, n)| axis.repeat(n)).collect(),
+            None => "?".into(),
+        };
+        out.push(Task::owned(match along.as_str() {
+            "" => name,
+            along if self.latex() => format!(r"\partial_{{{along}}}\,{name}"),
+            along => format!("{name}'{along}"),
+        }));
+        let variables: Vec<NodeId> = node.operands().take(field.variables()).collect();
+        self.arguments(&variables, depth, out);
     }
 
     fn select(&self, node: Node, depth: u32, out: &mut Vec<Task>) {

@@ -4,10 +4,13 @@
 //! [`Graph::eval`](crate::Graph::eval) only where the C library's functions differ from those Rust was linked with: on
 //! one system usually nowhere, else by units in the last place.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use super::listing::Plan;
+use super::names::Names;
 use super::{ATOM, ListingOptions, PREFIX, PRODUCT, Style, Task, UNLIMITED, Writer};
+use crate::field::FIELD_BEYOND;
 use crate::graph::{Graph, NodeId};
 use crate::ops::{Form, Op};
 
@@ -107,6 +110,14 @@ impl Writer<'_> {
                 out.push(Task::owned(format!("headland_spline({name}_x, {name}_c, {n}, ")));
                 out.extend([sub(0, 0), Task::owned(format!(", {order})"))]);
             }
+            (Op::Field, _) if usize::from(node.part) == FIELD_BEYOND => out.push(Task::text("NAN")),
+            (Op::Field, _) => {
+                out.push(Task::owned(format!("{}(", self.field_name(node.field))));
+                for k in 0..operands.len() {
+                    out.extend([sub(k, 0), Task::text(", ")]);
+                }
+                out.push(Task::owned(format!("{})", node.part)));
+            }
             (_, Some(row)) => match row.form {
                 Form::Infix(s) if operands.len() == 1 => out.extend([Task::text(row.c), sub(0, s + 1)]),
                 Form::Infix(s) if s == super::SUM => {
@@ -123,6 +134,10 @@ impl Writer<'_> {
             },
             (_, None) => unreachable!("operators without a row are above"),
         }
+    }
+
+    fn field_name(&self, index: u16) -> String {
+        field_names(self.graph).swap_remove(usize::from(index))
     }
 
     /// The multiplications of `<f64 as Scalar>::powi`, in its order.
@@ -164,14 +179,43 @@ fn table_name(index: u32) -> String {
     format!("headland_table_{index}")
 }
 
-/// The tables that the given nodes need, as static arrays.
+/// The names of all fields of a graph as functions of C.
+fn field_names(graph: &Graph) -> Vec<String> {
+    let mut names = Names::default();
+    let fields = graph.arena().borrow().fields.clone();
+    fields.iter().map(|field| format!("headland_field_{}", names.take(Style::C, field.name()))).collect()
+}
+
+/// What someone who writes the function of a field must know.
+const FIELD_LAYOUT: &str = r"
+/* Functions that come from elsewhere: value (part 0) or a derivative at (x, y, z).
+   part  0: f
+         1: f_x    2: f_y    3: f_z
+         4: f_xx   5: f_xy   6: f_xz   7: f_yy   8: f_yz   9: f_zz
+        10: f_xxx 11: f_xxy 12: f_xxz 13: f_xyy 14: f_xyz 15: f_xzz 16: f_yyy 17: f_yyz 18: f_yzz 19: f_zzz */
+";
+
+/// The tables that the given nodes need, as static arrays; the fields, as functions that are defined elsewhere.
 pub fn c_tables(graph: &Graph, roots: &[NodeId]) -> String {
     let needed = graph.needed(roots);
     let nodes = (0..needed.len()).filter(|&i| needed[i]).map(|i| graph.node(NodeId(i as u32)));
-    let mut tables: Vec<u32> = nodes.filter(|n| n.op == Op::Spline).map(|n| n.args[1]).collect();
-    tables.sort_unstable();
-    tables.dedup();
+    let (mut tables, mut fields) = (BTreeSet::new(), BTreeSet::new());
+    for node in nodes {
+        match node.op {
+            Op::Spline => drop(tables.insert(node.args[1])),
+            Op::Field => drop(fields.insert(node.field)),
+            _ => {}
+        }
+    }
     let mut text = String::new();
+    if !fields.is_empty() {
+        text.push_str(FIELD_LAYOUT);
+        let names = field_names(graph);
+        for field in fields {
+            let name = &names[usize::from(field)];
+            let _ = writeln!(text, "extern double {name}(double x, double y, double z, int part);");
+        }
+    }
     for index in tables {
         let (table, name) = (graph.spline(index), table_name(index));
         let n = table.knots().len();
@@ -216,7 +260,7 @@ pub fn c_function(graph: &Graph, name: &str, roots: &[NodeId], named: &[(NodeId,
     text + "}\n"
 }
 
-/// A complete file: helper functions, tables and the function `name`.
+/// A complete file: helper functions, tables, declarations of fields and the function `name`.
 ///
 /// ```
 /// use headland_expr::{Graph, Scalar, print::c_file};

@@ -1,5 +1,8 @@
+use std::sync::Arc;
+
 use super::*;
 use crate::expr::Expr;
+use crate::field::{Field, Wave, field_part};
 use crate::scalar::Scalar;
 use crate::spline::Spline;
 
@@ -40,6 +43,17 @@ fn reads_like_a_page() {
     );
     let table = Spline::new("torque", &[0.0, 1.0, 2.0], &[0.0, 1.0, 0.0]).unwrap();
     check(x.spline(&table, 1), "torque'(x)", "\\mathit{torque}'\\left(x\\right)");
+    let wave: Arc<dyn Field> = Arc::new(Wave { name: "wave".into(), rate: [1.0; 3], phase: [0.0; 3] });
+    check(
+        Expr::field([x, y, n(1.0)], &wave, 0),
+        "wave(x, speed, 1)",
+        r"\mathit{wave}\left(x, \mathit{speed}, 1\right)",
+    );
+    check(
+        n(2.0) * Expr::field([x, y, n(1.0)], &wave, field_part(2, 0, 1)),
+        "2*wave'xxz(x, speed, 1)",
+        r"2\,\partial_{xxz}\,\mathit{wave}\left(x, \mathit{speed}, 1\right)",
+    );
     check(
         (x * x).abs() * x.min(y),
         "abs(x^2)*min(x, speed)",

@@ -70,7 +70,7 @@ impl<'a> Tape<'a> {
     /// Replaces the two outputs by their difference.
     pub(super) fn into_difference(mut self) -> Self {
         let args = [self.outputs[0] as u32, self.outputs[1] as u32, 0];
-        self.operations.push(Node { op: Op::Sub, args });
+        self.operations.push(Node::new(Op::Sub, args));
         self.outputs = vec![self.fixed.len() + self.operations.len()];
         self
     }

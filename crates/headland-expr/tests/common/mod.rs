@@ -1,7 +1,9 @@
 //! Random programs: straight-line code over any scalar, the same for the same seed.
 
+use std::sync::Arc;
+
 use headland_expr::ops::{Form, OPS, Op, apply};
-use headland_expr::{Scalar, Spline};
+use headland_expr::{Field, Scalar, Spline, Wave};
 
 /// SplitMix64.
 pub struct Random(pub u64);
@@ -26,6 +28,7 @@ enum Step {
     Constant(f64),
     Power(usize, i32),
     Table(usize, u8),
+    Field([usize; 3], usize),
     Apply(Op, [usize; 3]),
 }
 
@@ -34,6 +37,7 @@ pub struct Program {
     steps: Vec<Step>,
     inputs: usize,
     table: Spline,
+    field: Arc<dyn Field>,
 }
 
 impl Program {
@@ -42,6 +46,8 @@ impl Program {
         let x: Vec<f64> = (0..6).map(|i| f64::from(i) - 2.5 + 0.3 * random.between(0.0, 1.0)).collect();
         let y: Vec<f64> = x.iter().map(|_| random.between(-1.0, 1.0)).collect();
         let table = Spline::new("table", &x, &y).unwrap();
+        let (rate, phase) = ([0.7, -1.1, 0.4], [0.1, 1.3, -0.6]);
+        let field = Arc::new(Wave { name: "wave".into(), rate, phase });
         let infix: Vec<Op> = OPS.iter().filter(|r| matches!(r.form, Form::Infix(_))).map(|r| r.op).collect();
         let steps = (0..length)
             .map(|k| {
@@ -51,16 +57,23 @@ impl Program {
                     if random.below(2) == 0 { random.below(known) } else { known - 1 - random.below(known.min(4)) }
                 };
                 let args = [pick(random), pick(random), pick(random)];
-                match random.below(16) {
+                match random.below(17) {
                     0 => Step::Constant([0.0, 1.0, -1.0, 2.0, 0.5, -3.0, 1e-3][random.below(7)]),
                     1 | 2 => Step::Power(args[0], random.below(9) as i32 - 3),
                     3 => Step::Table(args[0], random.below(4) as u8),
                     4..=9 => Step::Apply(infix[random.below(infix.len())], args),
+                    10 => Step::Field(args, random.below(10)), // to the second order: tests derive once more
                     _ => Step::Apply(OPS[random.below(OPS.len())].op, args),
                 }
             })
             .collect();
-        Self { steps, inputs, table }
+        Self { steps, inputs, table, field }
+    }
+
+    /// Its field.
+    #[allow(dead_code)] // not every test file asks
+    pub fn field(&self) -> &Arc<dyn Field> {
+        &self.field
     }
 
     /// Its table.
@@ -78,6 +91,7 @@ impl Program {
                 Step::Constant(x) => S::constant(x),
                 Step::Power(a, n) => value[a].powi(n),
                 Step::Table(a, order) => value[a].spline(&self.table, order),
+                Step::Field(point, part) => S::field(point.map(|a| value[a]), &self.field, part),
                 Step::Apply(op, [a, b, c]) => apply(op, value[a], value[b], value[c]),
             });
         }

@@ -16,7 +16,7 @@ use super::motion::Motion;
 use super::number;
 use crate::build::{Builder, Made};
 use crate::dimension::Dimension;
-use crate::lower::Reported;
+use crate::lower::{Reported, per_time};
 use crate::model::{KinematicRow, Reaction, RowForm};
 use crate::place::Place;
 
@@ -50,6 +50,7 @@ impl<'g> Builder<'_, 'g> {
         }
         for &(i, k) in kind.fixed_rotations() {
             if let Some(row) = self.hold(&format!("{name}.{}{}", axes[i], axes[k]), relative.rotation(i, k), &place) {
+                self.parts.kinematics[row].dimension = per_time(&Dimension::NONE, 1);
                 forces.push((row, zero, Vector([0, 1, 2].map(|m| relative.turned(i, k, m)))));
             }
         }

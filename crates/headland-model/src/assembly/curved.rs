@@ -1,16 +1,17 @@
-//! Balls that roll without slipping in or on a sphere or a cylinder.
+//! Balls that roll without slipping on a curved surface, inside or outside.
 //!
-//! With c the ball's centre in the axes of the ground's frame, e the unit vector from the sphere's centre, or the
-//! cylinder's axis z, towards c, and the normal n that points to the ball, `n = −e` inside and `n = e` outside:
+//! With c the ball's centre in the axes of the surface, d its distance, n the normal that points to the ball and
+//! H the gradient of n:
 //!
 //! ```text
-//! gap = ±(|s| − R) − r = 0,   gap′ = n·c′,   gap″ = n′·c′ + n·c″          s: c, or its part across the axis
+//! gap = d(c) − r = 0,         gap′ = n·c′,   gap″ = n′·c′ + n·c″,   n′ = H c′
 //! c′ + w × p = 0,             p = −r n,      p′ = −r n′
 //! ```
 //! The gap's rate is the normal component of the second equation: one of the four rows follows from the others.
 
-use headland_expr::{Expr, Scalar};
+use headland_expr::Expr;
 use headland_spatial::Vector;
+use headland_surface::{Shape, Side};
 
 use super::closures::Relative;
 use super::number;
@@ -20,38 +21,58 @@ use crate::scene::Data;
 use crate::scene::Element as SceneElement;
 use crate::symbols::Binding;
 
-/// A sphere or cylinder on which a ball rolls.
-pub(super) struct Ground<'g> {
-    /// Which components of c count.
-    across: [f64; 3],
-    radius: Expr<'g>,
-    /// −1 inside, 1 outside.
-    side: f64,
-}
-
 impl<'g> Builder<'_, 'g> {
-    /// The curved ground of an element; `None` for a plane.
-    pub(super) fn curved_ground(&mut self, element: &SceneElement, binding: &Binding) -> Made<Option<Ground<'g>>> {
-        let across = match element.get("surface").map(|v| (&v.data, v.place.clone())) {
-            None => return Ok(None),
-            Some((Data::Text(word), _)) if word == "plane" || word == "height" => return Ok(None),
-            Some((Data::Text(word), _)) if word == "sphere" => [1.0, 1.0, 1.0],
-            Some((Data::Text(word), _)) if word == "cylinder" => [1.0, 1.0, 0.0],
-            Some((_, place)) => {
-                return Err(self
-                    .low
-                    .report(place, "`surface` is \"plane\" (default), \"sphere\", \"cylinder\" or \"height\""));
-            }
-        };
-        if ["axis", "semi_axes", "tube"].iter().any(|k| element.get(k).is_some()) {
-            let message = "on a sphere or cylinder only a ball rolls: `radius` without `axis`, `tube` or `semi_axes`";
-            return Err(self.low.report(element.place.clone(), message));
+    /// The curved ground of an element; `None` for a plane, and for a surface by its height.
+    pub(super) fn curved_ground(
+        &mut self,
+        element: &SceneElement,
+        ground: usize,
+        binding: &Binding,
+    ) -> Made<Option<Shape<Expr<'g>>>> {
+        match self.ground_shape(element, ground, binding)? {
+            Shape::Plane => Ok(None),
+            shape => Ok(Some(shape)),
         }
-        let Some(radius) = self.scalar_field(element, "surface_radius", binding, &Dimension::of(0, 1, 0))? else {
-            return Err(self.low.report(element.place.clone(), "a sphere or cylinder needs `surface_radius`"));
-        };
+    }
+
+    /// The shape of the ground: that of its surface, or that which the element itself gives.
+    pub(super) fn ground_shape(
+        &mut self,
+        element: &SceneElement,
+        ground: usize,
+        binding: &Binding,
+    ) -> Made<Shape<Expr<'g>>> {
+        match self.shape_of(ground)? {
+            Shape::Plane => self.inline_shape(element, binding),
+            shape => Ok(shape),
+        }
+    }
+
+    /// The shape that an element itself gives to its ground.
+    fn inline_shape(&mut self, element: &SceneElement, binding: &Binding) -> Made<Shape<Expr<'g>>> {
         let outside = matches!(element.get("outside").map(|v| &v.data), Some(Data::Flag(true)));
-        Ok(Some(Ground { across, radius, side: if outside { 1.0 } else { -1.0 } }))
+        let side = if outside { Side::Outside } else { Side::Inside };
+        let (word, place) = match element.get("surface").map(|v| (&v.data, v.place.clone())) {
+            None => return Ok(Shape::Plane),
+            Some((Data::Text(word), _)) if word == "plane" || word == "height" => return Ok(Shape::Plane),
+            Some((Data::Text(word), place)) => (word.as_str(), place),
+            Some((_, place)) => ("", place),
+        };
+        let radius = self.scalar_field(element, "surface_radius", binding, &Dimension::of(0, 1, 0))?;
+        if let (Some(radius), Some(value)) = (radius, element.get("surface_radius")) {
+            self.size(radius, "surface_radius", &value.place.clone(), false)?;
+        }
+        match (word, radius) {
+            ("sphere", Some(radius)) => Ok(Shape::Sphere { radius, side }),
+            ("cylinder", Some(radius)) => Ok(Shape::Cylinder { radius, side }),
+            ("sphere" | "cylinder", None) => {
+                Err(self.low.report(element.place.clone(), "a sphere or cylinder needs `surface_radius`"))
+            }
+            _ => {
+                let message = "`surface` is \"plane\" (default), \"sphere\", \"cylinder\" or \"height\"";
+                Err(self.low.report(place, message))
+            }
+        }
     }
 
     /// The rows of a ball on curved ground, and its contact force.
@@ -60,37 +81,50 @@ impl<'g> Builder<'_, 'g> {
         name: &str,
         relative: &Relative<'g>,
         ball: Expr<'g>,
-        ground: &Ground<'g>,
+        ground: &Shape<Expr<'g>>,
         element: &SceneElement,
     ) {
+        let touch = Touch::new(relative, ball, ground);
+        let first = self.parts.kinematics.len();
+        for i in 0..3 {
+            self.bind_velocity(&format!("{name}.{}", ["x", "y", "z"][i]), touch.slip_row(i), "", element);
+        }
+        let held = self.hold(&format!("{name}.gap"), touch.gap, &element.place);
+        let graph = self.low.graph;
+        for (i, axis) in ["x", "y", "z"].into_iter().enumerate() {
+            let mut constraints = vec![(first + i, graph.id(number(-1.0)))];
+            constraints.extend(held.map(|row| (row, graph.id(-touch.normal[i]))));
+            self.name_sum(format!("{name}.f{axis}"), constraints, false);
+        }
+    }
+}
+
+/// How a ball and a surface meet, in the axes of the surface.
+pub(super) struct Touch<'g> {
+    /// From the surface to the ball.
+    pub(super) normal: Vector<Expr<'g>>,
+    /// Distance from the ball to the surface, with its rates.
+    pub(super) gap: [Expr<'g>; 3],
+    /// Velocity of the ball's point nearest to the surface, and its rate.
+    pub(super) slip: [Vector<Expr<'g>>; 2],
+}
+
+impl<'g> Touch<'g> {
+    pub(super) fn new(relative: &Relative<'g>, ball: Expr<'g>, ground: &Shape<Expr<'g>>) -> Self {
         let centre = [0, 1, 2].map(|i| relative.distance(i));
         let [c, c_rate, c_second] = [0, 1, 2].map(|order| Vector(centre.map(|row| row[order])));
-        let across = |v: Vector<Expr<'g>>| Vector([0, 1, 2].map(|i| v[i] * number(ground.across[i])));
-        let (s, s_rate) = (across(c), across(c_rate));
-        let distance = s.squared_norm().sqrt();
-        let e = s * (number(1.0) / distance);
-        let e_rate = (s_rate - e * e.dot(s_rate)) * (number(1.0) / distance);
-        let (n, n_rate) = (e * number(ground.side), e_rate * number(ground.side));
-        let gap = number(ground.side) * (distance - ground.radius) - ball;
+        let (n, n_rate) = (ground.normal(c), ground.normal_rate(c, c_rate));
+        let gap = [ground.distance(c) - ball, n.dot(c_rate), n_rate.dot(c_rate) + n.dot(c_second)];
         let (p, p_rate) = (n * -ball, n_rate * -ball);
         let turning = relative.turning();
         let (w, w_rate) = (turning.apply(relative.spin()), turning.apply(relative.spin_rate()));
         let slip = c_rate + w.cross(p);
         let slip_rate = c_second + w_rate.cross(p) + w.cross(p_rate);
-        let first = self.parts.kinematics.len();
-        for i in 0..3 {
-            self.bind_velocity(&format!("{name}.{}", ["x", "y", "z"][i]), [slip[i], slip_rate[i]], "", element);
-        }
-        let held = self.hold(
-            &format!("{name}.gap"),
-            [gap, n.dot(c_rate), n_rate.dot(c_rate) + n.dot(c_second)],
-            &element.place,
-        );
-        let graph = self.low.graph;
-        for (i, axis) in ["x", "y", "z"].into_iter().enumerate() {
-            let mut constraints = vec![(first + i, graph.id(number(-1.0)))];
-            constraints.extend(held.map(|row| (row, graph.id(-n[i]))));
-            self.name_sum(format!("{name}.f{axis}"), constraints, false);
-        }
+        Self { normal: n, gap, slip: [slip, slip_rate] }
+    }
+
+    /// A component of the slip velocity and its rate.
+    pub(super) fn slip_row(&self, i: usize) -> [Expr<'g>; 2] {
+        [self.slip[0][i], self.slip[1][i]]
     }
 }

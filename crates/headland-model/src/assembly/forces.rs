@@ -9,7 +9,7 @@ use crate::build::{Builder, Made, bound_name};
 use crate::depend::Kinds;
 use crate::dimension::Dimension;
 use crate::lower::{Reported, per_time};
-use crate::model::{Body, Element, ElementKind, Load, StructureForm, VectorStructure};
+use crate::model::{Body, Element, ElementKind, Hazard, Load, StructureForm, VectorStructure};
 use crate::scene::Element as SceneElement;
 use crate::scene::{Data, Value};
 use crate::symbols::Binding;
@@ -64,6 +64,14 @@ impl<'g> Builder<'_, 'g> {
             // a free length that changes, by a winch or a given function, is part of the stretch
             let free_rate = self.low.time_derivative(free, 1).map_err(|m| self.low.report(element.place.clone(), m))?;
             let rate = d.dot(d_rate) / length;
+            if damping.is_some() || !free.is(0.0) {
+                let message = format!(
+                    "the ends of the spring `{full}` are in the same place: it has no direction there; set them apart{}",
+                    if damping.is_none() { ", or leave out `free_length`" } else { "" }
+                );
+                let quantity = self.low.graph.id(length);
+                self.parts.hazards.push(Hazard { quantity, limit: 1e-12, message, place: element.place.clone() });
+            }
             let mut add = |kind, value, structure, rate| self.add_scalar(element, &full, kind, value, structure, rate);
             match stiffness {
                 // without a free length the force is c d, also where d is nothing

@@ -53,7 +53,7 @@ impl Builder<'_, '_> {
     /// Hands the motions of the frames to the lowering of expressions.
     pub(crate) fn publish_frames(&mut self) {
         self.low.frames = self.assembly.frames.iter().map(|f| f.motion).collect();
-        self.low.totals = self.assembly.total.quantities();
+        self.low.totals = self.assembly.total.quantities().into_iter().collect();
     }
 }
 

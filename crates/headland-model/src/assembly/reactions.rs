@@ -192,8 +192,13 @@ impl<'g> Builder<'_, 'g> {
                 slots.extend(r.rows.iter_mut().chain(&mut r.constraints).map(|(_, node)| node));
             }
         }
+        for c in &mut parts.contacts {
+            slots.extend(c.gap.iter_mut().chain(&mut c.normal).chain(&mut c.slip).chain(&mut c.slip_rate));
+            slots.extend(c.friction.iter_mut().flat_map(|f| &mut f.force));
+        }
         slots.extend(parts.outputs.iter_mut().map(|o| &mut o.node));
         slots.extend(parts.guards.iter_mut().map(|g| &mut g.quantity));
+        slots.extend(parts.hazards.iter_mut().map(|h| &mut h.quantity));
         slots.extend(parts.events.iter_mut().map(|e| &mut e.quantity));
         slots.extend(self.low.made.iter_mut().map(|m| &mut m.id));
         let nodes: Vec<NodeId> = slots.iter().map(|n| **n).collect();

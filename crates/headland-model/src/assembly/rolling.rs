@@ -123,16 +123,16 @@ impl<'g> Builder<'_, 'g> {
                 let message = format!("`{full}` rolls on the body that it belongs to");
                 return Err(self.low.report(element.place.clone(), message));
             }
-            self.no_idle_ground(element)?;
+            self.no_idle_ground(element, ground)?;
             let centre = self.pose_field(element, "center", "rpy", &binding)?;
             let form = self.rolling_form(element, &binding)?;
             let (Some(a), Some(b)) = (self.motion(ground), self.motion(body)) else { return Err(Reported) };
             let relative = Relative::new(&a, &b.fixed(&centre));
-            if let Some(curved) = self.curved_place(&full, &form, element, &binding)? {
+            if let Some(curved) = self.curved_place(&full, &form, element, ground, &binding)? {
                 self.roll_by_place(&full, &relative, &form, &curved, element)?;
                 continue;
             }
-            if let (Some(curved), Form::Ball(radius)) = (self.curved_ground(element, &binding)?, &form) {
+            if let (Some(curved), Form::Ball(radius)) = (self.curved_ground(element, ground, &binding)?, &form) {
                 self.roll_on(&full, &relative, *radius, &curved, element);
                 continue;
             }
@@ -177,7 +177,12 @@ impl<'g> Builder<'_, 'g> {
     }
 
     /// A key that says nothing to the kind of ground was meant to.
-    fn no_idle_ground(&mut self, element: &SceneElement) -> Made<()> {
+    fn no_idle_ground(&mut self, element: &SceneElement, ground: usize) -> Made<()> {
+        let frame = &self.assembly.frames[ground];
+        if frame.is_surface {
+            let why = format!("the ground is the surface `{}`, which has its own shape", frame.name);
+            return self.without(element, &["surface", "surface_radius", "outside", "height"], &why);
+        }
         let word = match element.get("surface").map(|v| &v.data) {
             Some(Data::Text(word)) => word.as_str(),
             _ => "plane",

@@ -83,7 +83,8 @@ impl<'g> Builder<'_, 'g> {
         for element in self.scene.section_elements("rolling") {
             let Ok(name) = self.text_field(element, "name") else { continue };
             for binding in self.bindings_of(element).unwrap_or_default() {
-                for part in places(element) {
+                let Ok(ground) = self.frame_field(element, "on", &binding, Some(0)) else { break };
+                for part in self.place_parts(element, ground) {
                     let _ = self.declare_place(element, &bound_name(&name, &binding), part);
                 }
             }
@@ -115,6 +116,7 @@ impl<'g> Builder<'_, 'g> {
         name: &str,
         form: &Form<Expr<'g>>,
         element: &SceneElement,
+        ground: usize,
         binding: &Binding,
     ) -> Made<Option<Curved<'g>>> {
         let length = Dimension::of(0, 1, 0);
@@ -128,28 +130,36 @@ impl<'g> Builder<'_, 'g> {
             self.made_of_places(name, element, height)?;
             return Ok(Some(Curved::Height(height)));
         }
-        if places(element).is_empty() {
+        if self.place_parts(element, ground).is_empty() {
             return Ok(None);
         }
-        let Some(radius) = self.scalar_field(element, "surface_radius", binding, &length)? else {
-            return Err(self.low.report(element.place.clone(), "a sphere or cylinder needs `surface_radius`"));
-        };
-        let place = element.get("surface_radius").map_or(element.place.clone(), |v| v.place.clone());
-        self.size(radius, "surface_radius", &place, false)?;
-        let outside = matches!(element.get("outside").map(|v| &v.data), Some(Data::Flag(true)));
-        let side = if outside { Side::Outside } else { Side::Inside };
-        let sphere = is(element, "sphere");
-        if let (true, Side::Inside, Some(hollow), Some(body)) =
-            (sphere, side, self.evaluate(radius), form.reach().and_then(|r| self.evaluate(r)))
+        let shape = self.ground_shape(element, ground, binding)?;
+        if let Shape::Sphere { radius, side: Side::Inside } = shape
+            && let (Some(hollow), Some(body)) = (self.evaluate(radius), form.reach().and_then(|r| self.evaluate(r)))
             && body >= hollow
         {
             let message = format!(
-                "what rolls has a radius of {body} m and does not fit into a sphere of {hollow} m; `outside = true` is the \
-                 other side"
+                "what rolls has a radius of {body} m and does not fit into a sphere of {hollow} m: it must be smaller"
             );
-            return Err(self.low.report(place, message));
+            return Err(self.low.report(element.place.clone(), message));
         }
-        Ok(Some(Curved::Shape(if sphere { Shape::Sphere { radius, side } } else { Shape::Cylinder { radius, side } })))
+        Ok(Some(Curved::Shape(shape)))
+    }
+
+    /// The coordinates that a place of contact has; a ball on a plane or shape has none.
+    fn place_parts(&self, element: &SceneElement, ground: usize) -> &'static [&'static str] {
+        let frame = &self.assembly.frames[ground];
+        let of_surface = frame.element.as_ref().filter(|_| frame.is_surface).and_then(|(e, _)| e.get("shape"));
+        let curved = match of_surface.map(|v| &v.data) {
+            Some(Data::Text(word)) => word != "plane",
+            _ => is(element, "sphere") || is(element, "cylinder"),
+        };
+        let is_ball = ["axis", "semi_axes"].iter().all(|k| element.get(k).is_none());
+        match (is(element, "height"), curved && !is_ball) {
+            (true, _) => ON_HEIGHT,
+            (_, true) => ON_SHAPE,
+            _ => &[],
+        }
     }
 
     /// A height is a function of the place of contact: what moves is the frame on which it stands.
@@ -427,16 +437,6 @@ impl<'g> Builder<'_, 'g> {
         let miss = miss - n * n.dot(miss);
         let is_finite = at.0.iter().chain(&miss.0).all(|x| x.is_finite());
         is_finite.then_some((at.0, miss))
-    }
-}
-
-/// The coordinates that a place of contact has, of a ball on a plane or shape none.
-fn places(element: &SceneElement) -> &'static [&'static str] {
-    let is_ball = ["axis", "semi_axes"].iter().all(|k| element.get(k).is_none());
-    match (is(element, "height"), is(element, "sphere") || is(element, "cylinder")) {
-        (true, _) => ON_HEIGHT,
-        (_, true) if !is_ball => ON_SHAPE,
-        _ => &[],
     }
 }
 

@@ -12,7 +12,7 @@ use super::{Carrier, JointEntry, number};
 use crate::build::{Builder, Made};
 use crate::dimension::Dimension;
 use crate::lower::{Reported, per_time};
-use crate::model::{Guard, KinematicRow, RowForm};
+use crate::model::{Guard, Hazard, KinematicRow, RowForm};
 use crate::scene::Element as SceneElement;
 use crate::scene::{Data, Value};
 use crate::symbols::{Binding, Members, Symbol};
@@ -317,6 +317,15 @@ impl<'s, 'g> Builder<'s, 'g> {
     /// Roll and yaw turn about the same axis where the pitch is a right angle.
     fn guard_pitch(&mut self, j: usize, pitch: Expr<'g>) {
         let name = &self.assembly.joints[j].name;
+        self.parts.hazards.push(Hazard {
+            quantity: self.low.graph.id(pitch.cos()),
+            limit: 1e-9,
+            message: format!(
+                "gimbal lock: the pitch of `{name}` is 90 deg, where roll and yaw turn about the same axis and their rates \
+                 say nothing; start elsewhere, or take `orientation = \"quaternion\"`, which has no such place"
+            ),
+            place: self.assembly.joints[j].place.clone(),
+        });
         self.parts.guards.push(Guard {
             name: format!("cos({name}.pitch)"),
             quantity: self.low.graph.id(pitch.cos()),

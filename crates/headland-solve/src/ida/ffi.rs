@@ -42,6 +42,7 @@ pub(super) struct Session {
     initialized: bool,
     rtol: f64,
     max_order: Option<u8>,
+    iteration_tolerance: f64,
     context: Context,
 }
 
@@ -66,6 +67,7 @@ impl Session {
             initialized: false,
             rtol: options.rtol,
             max_order: options.max_order,
+            iteration_tolerance: options.iteration_tolerance,
             context,
         };
         session.atol.as_mut_slice().copy_from_slice(&options.atol);
@@ -157,6 +159,8 @@ impl Session {
             if let Some(order) = self.max_order {
                 check("setting max_order", sys::IDASetMaxOrd(memory, c_int::from(order)))?;
             }
+            let set = sys::IDASetNonlinConvCoef(memory, self.iteration_tolerance);
+            check("setting iteration_tolerance", set)?;
             let set = sys::IDASetMaxConvFails(memory, 30) | sys::IDASetMaxErrTestFails(memory, 20);
             check("setting limits", set)
         }
