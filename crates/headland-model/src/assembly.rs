@@ -9,6 +9,7 @@ mod contact;
 mod curved;
 mod fields;
 mod forces;
+mod gears;
 mod joints;
 mod links;
 mod motion;
@@ -85,13 +86,16 @@ pub(crate) struct Assembly<'s, 'g> {
     total: quantities::Total<'g>,
     /// Torques of joints that close loops.
     closing_forces: Vec<(String, Reaction, bool)>,
+    /// Gears whose offset follows from the start.
+    meshes: Vec<gears::Mesh<'g>>,
     /// Places of contact on curved ground.
     touches: Vec<touching::Touch<'g>>,
     /// Discs that roll: contact, place, and sine of the angle between axis and normal.
     tilts: Vec<(String, Place, headland_expr::NodeId)>,
 }
 
-const SECTIONS: [&str; 9] = ["body", "frame", "surface", "joint", "rolling", "contact", "skate", "spring", "bushing"];
+const SECTIONS: [&str; 10] =
+    ["body", "frame", "surface", "joint", "rolling", "contact", "skate", "gear", "spring", "bushing"];
 
 impl<'s, 'g> Builder<'s, 'g> {
     /// Declares bodies, frames, joints and their coordinates.
@@ -224,7 +228,7 @@ impl<'s, 'g> Builder<'s, 'g> {
 
     /// Constraints and forces between frames; definitions may be used here.
     pub(crate) fn assembly_elements(&mut self) {
-        for section in ["rolling", "contact", "skate", "spring", "bushing"] {
+        for section in ["rolling", "contact", "skate", "gear", "spring", "bushing"] {
             self.no_name_twice(section);
         }
         for element in self.scene.section_elements("rolling") {
@@ -235,6 +239,9 @@ impl<'s, 'g> Builder<'s, 'g> {
         }
         for element in self.scene.section_elements("skate") {
             let _ = self.skate(element);
+        }
+        for element in self.scene.section_elements("gear") {
+            let _ = self.gear(element);
         }
         for element in self.scene.section_elements("spring") {
             let _ = self.spring(element);

@@ -301,7 +301,7 @@ pub const SECTIONS: &[Section] = &[
                 "surface",
                 Kind::Text,
                 false,
-                "`plane` (default); for balls `sphere` about the origin of `on`, `cylinder` about its z axis, `height`",
+                "`plane` (default), `sphere` about the origin of `on`, `cylinder` about its z axis, `height`",
             ),
             key(
                 "height",
@@ -310,9 +310,9 @@ pub const SECTIONS: &[Section] = &[
                 "z of the surface by `NAME.s` and `NAME.t`, x and y of the place of contact",
             ),
             key("surface_radius", Kind::Expression, false, "radius of the sphere or cylinder"),
-            key("outside", Kind::Flag, false, "true: the ball rolls on the outside; inside by default"),
+            key("outside", Kind::Flag, false, "true: it rolls on the outside; inside by default"),
         ],
-        "rolling without slipping on a plane, sphere or cylinder",
+        "rolling without slipping on a plane, sphere, cylinder or smooth surface",
     ),
     elements(
         "skate",
@@ -329,6 +329,32 @@ pub const SECTIONS: &[Section] = &[
             ),
         ],
         "knife edges and axles that do not slip sideways",
+    ),
+    elements(
+        "gear",
+        &[
+            NAME,
+            key(
+                "from",
+                Kind::Text,
+                true,
+                "a joint that turns about or shifts along one axis; `rod.angle` of one with two",
+            ),
+            key("to", Kind::Text, true, "the other joint"),
+            key("ratio", Kind::Expression, false, "rate of `to` by rate of `from`"),
+            key("radii", Kind::Expressions, false, "of two wheels, [from, to], at their teeth"),
+            key("teeth", Kind::Expressions, false, "of two wheels, [from, to]"),
+            key(
+                "internal",
+                Kind::Flag,
+                false,
+                "true: one wheel is a ring around the other, and both turn the same way",
+            ),
+            key("radius", Kind::Expression, false, "of a pinion with its rack"),
+            key("carrier", Kind::Text, false, "the joint that turns the arm on which wheels are carried"),
+            key("offset", Kind::Expression, false, "of `to` where `from` is zero; as at the start by default"),
+        ],
+        "gears, and racks with their pinions: joints whose coordinates go in a fixed ratio",
     ),
     elements(
         "bushing",

@@ -1,6 +1,6 @@
 //! Closed loops.
 
-use super::{model, reference};
+use super::{model, reference, scene};
 use crate::case::{Case, Expected};
 use crate::closed;
 
@@ -8,6 +8,22 @@ const ANDREWS: &str = "ivp_quad.json: index-1 form in quad precision, constraint
 const IFTOMM: &str = "iftomm_rigid.json: quad precision Gragg-Bulirsch-Stoer";
 
 pub(crate) const CASES: &[Case] = &[
+    Case {
+        name: "planetary_gear",
+        scene: scene!("planetary_gear"),
+        expected: closed::planetary,
+        bite: ("M", "0.404"),
+        source: "closed form: Willis, Lagrange",
+        ..Case::USUAL
+    },
+    Case {
+        name: "rack_and_pinion",
+        scene: scene!("rack_and_pinion"),
+        expected: closed::rack,
+        bite: ("r", "5.05 cm"),
+        source: "closed form: harmonic oscillation",
+        ..Case::USUAL
+    },
     Case {
         name: "andrews",
         scene: model!("andrews"),

@@ -29,18 +29,23 @@ impl<'g> Builder<'_, 'g> {
         ground: usize,
         binding: &Binding,
     ) -> Made<Option<Shape<Expr<'g>>>> {
-        let shape = match self.shape_of(ground)? {
-            Shape::Plane => self.inline_shape(element, binding)?,
-            shape => shape,
-        };
-        if matches!(shape, Shape::Plane) {
-            return Ok(None);
+        match self.ground_shape(element, ground, binding)? {
+            Shape::Plane => Ok(None),
+            shape => Ok(Some(shape)),
         }
-        if ["axis", "semi_axes", "tube"].iter().any(|k| element.get(k).is_some()) {
-            let message = "on a curved surface only a ball rolls: `radius` without `axis`, `tube` or `semi_axes`";
-            return Err(self.low.report(element.place.clone(), message));
+    }
+
+    /// The shape of the ground: that of its surface, or that which the element itself gives.
+    pub(super) fn ground_shape(
+        &mut self,
+        element: &SceneElement,
+        ground: usize,
+        binding: &Binding,
+    ) -> Made<Shape<Expr<'g>>> {
+        match self.shape_of(ground)? {
+            Shape::Plane => self.inline_shape(element, binding),
+            shape => Ok(shape),
         }
-        Ok(Some(shape))
     }
 
     /// The shape that an element itself gives to its ground.
@@ -54,6 +59,9 @@ impl<'g> Builder<'_, 'g> {
             Some((_, place)) => ("", place),
         };
         let radius = self.scalar_field(element, "surface_radius", binding, &Dimension::of(0, 1, 0))?;
+        if let (Some(radius), Some(value)) = (radius, element.get("surface_radius")) {
+            self.size(radius, "surface_radius", &value.place.clone(), false)?;
+        }
         match (word, radius) {
             ("sphere", Some(radius)) => Ok(Shape::Sphere { radius, side }),
             ("cylinder", Some(radius)) => Ok(Shape::Cylinder { radius, side }),

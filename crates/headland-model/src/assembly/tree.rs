@@ -65,7 +65,7 @@ impl<'s, 'g> Builder<'s, 'g> {
         ];
         for (key, _, why) in serves.into_iter().filter(|(_, serves, _)| !serves) {
             if let Some(value) = element.get(key) {
-                let word = JointKind::ALL.iter().find(|(_, k)| *k == kind).map_or("", |(n, _)| *n);
+                let word = kind.word();
                 let place = value.place.clone();
                 return Err(self.low.report(place, format!("`{key}` says nothing to a joint of kind `{word}`: {why}")));
             }
@@ -365,7 +365,7 @@ impl<'s, 'g> Builder<'s, 'g> {
     }
 
     /// A coordinate of a joint, or the function of time that is given for it.
-    fn drive(&mut self, j: usize, part: &str) -> Made<Drive<'g>> {
+    pub(super) fn drive(&mut self, j: usize, part: &str) -> Made<Drive<'g>> {
         let (family, member, full) = self.part_name(j, part)?;
         let graph = self.low.graph;
         if let Some((position, _, Symbol::Definition(rules, _))) = self.low.symbols.by_name.get_full(family.as_str()) {
