@@ -198,6 +198,12 @@ pub const SECTIONS: &[Section] = &[
             ),
             key("size", Kind::Expressions, false, "of the shape: edges; radius and length; radius; length; semi-axes"),
             key("axis", Kind::Expressions, false, "of the shape: \"x\", \"y\" or \"z\" (default)"),
+            key(
+                "angular_velocity",
+                Kind::Text,
+                false,
+                "of a free body, the axes of its quasi-velocities: `body` (default: NAME.wx ..) or `world` (NAME.omega_x ..)",
+            ),
         ],
         "rigid bodies; one on which no joint acts is free",
     ),
