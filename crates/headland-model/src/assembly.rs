@@ -5,6 +5,7 @@
 //! are known ([`Builder::build_assembly`]).
 
 mod closures;
+mod compliant;
 mod contact;
 mod curved;
 mod fields;

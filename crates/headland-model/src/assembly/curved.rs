@@ -110,6 +110,8 @@ pub(super) struct Touch<'g> {
     pub(super) gap: [Expr<'g>; 3],
     /// Velocity of the ball's point nearest to the surface, and its rate.
     pub(super) slip: [Vector<Expr<'g>>; 2],
+    /// Angular velocity of the ball.
+    pub(super) spin: Vector<Expr<'g>>,
 }
 
 impl<'g> Touch<'g> {
@@ -122,7 +124,7 @@ impl<'g> Touch<'g> {
         let [w, w_rate] = relative.turns();
         let slip = c_rate + w.cross(p);
         let slip_rate = c_second + w_rate.cross(p) + w.cross(p_rate);
-        Self { normal: n, gap, slip: [slip, slip_rate] }
+        Self { normal: n, gap, slip: [slip, slip_rate], spin: w }
     }
 
     /// A component of the slip velocity and its rate.
