@@ -19,7 +19,7 @@ mod csv;
 
 use std::sync::Arc;
 
-use headland_expr::{FIELD_PARTS, Field, field_part};
+use headland_expr::{FIELD_PARTS, Field, Interval, field_part};
 
 use crate::height::{Bounds, Ground};
 use bounds::Pyramid;
@@ -271,6 +271,23 @@ impl Field for Grid {
 
     fn variables(&self) -> usize {
         2
+    }
+
+    /// Of the height and of its second derivatives, which lie between the bends along all directions.
+    fn range(&self, boxed: [Interval; 3], part: usize) -> Interval {
+        let [x, y] = [0, 1].map(|i| [boxed[i].lo, boxed[i].hi]);
+        if [x, y].iter().flatten().any(|place| !place.is_finite()) {
+            return Interval::WHOLE;
+        }
+        const VALUE: usize = field_part(0, 0, 0);
+        const SECOND: [usize; 3] = [field_part(2, 0, 0), field_part(0, 2, 0), field_part(1, 1, 0)];
+        let Bounds { height, bend: [least, most] } = self.bounds(x, y);
+        match SECOND.iter().position(|second| *second == part) {
+            None if part == VALUE => Interval::new(height[0], height[1]),
+            None => Interval::WHOLE,
+            Some(2) => Interval::new(0.5 * (least - most), 0.5 * (most - least)),
+            Some(_) => Interval::new(least, most),
+        }
     }
 
     fn eval(&self, point: [f64; 3], order: usize, out: &mut [f64]) {

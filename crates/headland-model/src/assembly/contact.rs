@@ -4,7 +4,6 @@
 
 use headland_expr::{Expr, NodeId, Scalar};
 use headland_spatial::Vector;
-use headland_surface::Shape;
 
 use super::closures::Relative;
 use super::curved::Touch;
@@ -36,8 +35,10 @@ impl<'g> Builder<'_, 'g> {
             let shape = self.shape_of(ground)?;
             self.check_fit(ball, &shape, element)?;
             let (Some(a), Some(b)) = (self.motion(ground), self.motion(body)) else { return Err(Reported) };
-            let touch = Touch::new(&Relative::new(&a, &b.fixed(&centre)), ball, &shape);
-            self.hard_contact(&full, &touch, matches!(shape, Shape::Plane), element, &binding)?;
+            let relative = Relative::new(&a, &b.fixed(&centre));
+            let touch = Touch::new(&relative, ball, &shape);
+            self.watch_room(&full, &relative, ball, &shape, true);
+            self.hard_contact(&full, &touch, shape.is_plane(), element, &binding)?;
         }
         Ok(())
     }
