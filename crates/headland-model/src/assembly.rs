@@ -7,6 +7,7 @@
 mod closures;
 mod contact;
 mod curved;
+mod facets;
 mod fields;
 mod forces;
 mod gears;

@@ -178,6 +178,20 @@ impl Grid {
         [0, 1].map(|i| [self.origin[i], self.origin[i] + self.spacing[i] * (points[i] - 1) as f64])
     }
 
+    /// What it goes through: the place of the first point, m, the distances of columns and rows, m, and the heights by rows.
+    pub fn points(&self) -> ([f64; 2], [f64; 2], Vec<Vec<f64>>) {
+        let along = |axis: usize, i: usize| self.origin[axis] + self.spacing[axis] * i as f64;
+        let mut height = [0.0];
+        let rows = (0..self.coefficients.rows - 4).map(|row| {
+            let columns = (0..self.coefficients.columns - 4).map(|column| {
+                self.eval([along(0, column), along(1, row), 0.0], 0, &mut height);
+                height[0]
+            });
+            columns.collect()
+        });
+        (self.origin, self.spacing, rows.collect())
+    }
+
     /// Bounds over all of the points' rectangle: how high it is, how sharp it bends.
     pub fn overall(&self) -> Bounds {
         let [x, y] = self.extent();

@@ -33,6 +33,10 @@ impl<'g> Builder<'_, 'g> {
             let place = element.get("radius").map_or(&element.place, |v| &v.place).clone();
             let ball = self.size(ball, "radius", &place, true)?;
             let shape = self.shape_of(ground)?;
+            match element.get("stiffness") {
+                Some(_) => self.tell_facets(&full, &shape, element),
+                None => self.must_be_smooth(&shape, "hard contact", element)?,
+            }
             self.check_fit(ball, &shape, element)?;
             let (Some(a), Some(b)) = (self.motion(ground), self.motion(body)) else { return Err(Reported) };
             let relative = Relative::new(&a, &b.fixed(&centre));

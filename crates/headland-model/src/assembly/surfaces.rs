@@ -8,6 +8,7 @@ use headland_expr::{Expr, Field, Frozen, Graph, NodeId, Scalar, field_part};
 use headland_spatial::Vector;
 use headland_surface::{Ellipsoid, Formula, Height, Profile, Revolution, Shape, ShapeError, Side};
 
+use super::facets::FacetErrors;
 use super::number;
 use crate::build::{Builder, Made};
 use crate::depend::Kinds;
@@ -16,7 +17,7 @@ use crate::scene::{Data, Element as SceneElement};
 use crate::symbols::{Binding, Symbol};
 
 /// Shapes and the keys that each has.
-const SHAPES: [(&str, &[&str]); 8] = [
+const SHAPES: [(&str, &[&str]); 9] = [
     ("plane", &[]),
     ("sphere", &["radius", "inside"]),
     ("cylinder", &["radius", "inside"]),
@@ -25,6 +26,7 @@ const SHAPES: [(&str, &[&str]); 8] = [
     ("ellipsoid", &["semi_axes", "inside"]),
     ("revolution", &["profile", "range", "inside"]),
     ("height", &["height"]),
+    ("mesh", &["file", "table", "radius", "density", "inside", "open", "smooth"]),
 ];
 
 /// A surface, in the axes of its frame.
@@ -32,10 +34,19 @@ const SHAPES: [(&str, &[&str]); 8] = [
 pub(super) enum Ground<'g> {
     /// In closed form.
     Shape(Shape<Expr<'g>>),
-    /// By a height, of two inputs of the graph.
-    Height(HeightOf<'g>, Arc<dyn Field>),
-    /// By a field of signed distance, with the radius of the largest ball that fits, m.
-    Field(Arc<dyn Field>, f64),
+    /// By a field of signed distance.
+    Field(Arc<dyn Field>, Kind<'g>),
+}
+
+/// What is known beside the distance.
+#[derive(Clone)]
+pub(super) enum Kind<'g> {
+    /// A height of two inputs of the graph.
+    Height(HeightOf<'g>),
+    /// Smooth, with the radius of the largest ball that fits everywhere, m.
+    Smooth(f64),
+    /// Triangles.
+    Facets(FacetErrors),
 }
 
 /// A height and the two inputs, x and y, that it is made of.
@@ -66,7 +77,21 @@ impl<'g> Ground<'g> {
     pub(super) fn field(&self) -> Option<&Arc<dyn Field>> {
         match self {
             Ground::Shape(_) => None,
-            Ground::Height(_, field) | Ground::Field(field, _) => Some(field),
+            Ground::Field(field, _) => Some(field),
+        }
+    }
+
+    /// Of triangles, with their errors.
+    #[cfg_attr(not(feature = "mesh"), expect(dead_code, reason = "only parry makes triangles"))]
+    pub(super) fn of_facets(field: Arc<dyn Field>, errors: FacetErrors) -> Self {
+        Ground::Field(field, Kind::Facets(errors))
+    }
+
+    /// What triangles may be wrong by; none for what is smooth.
+    pub(super) fn facets(&self) -> Option<&FacetErrors> {
+        match self {
+            Ground::Field(_, Kind::Facets(errors)) => Some(errors),
+            _ => None,
         }
     }
 
@@ -74,7 +99,7 @@ impl<'g> Ground<'g> {
     pub(super) fn distance(&self, c: Vector<Expr<'g>>) -> Expr<'g> {
         match self {
             Ground::Shape(shape) => shape.distance(c),
-            Ground::Height(_, field) | Ground::Field(field, _) => Expr::field(c.0, field, 0),
+            Ground::Field(field, _) => Expr::field(c.0, field, 0),
         }
     }
 
@@ -82,7 +107,7 @@ impl<'g> Ground<'g> {
     pub(super) fn normal(&self, c: Vector<Expr<'g>>) -> Vector<Expr<'g>> {
         match self {
             Ground::Shape(shape) => shape.normal(c),
-            Ground::Height(_, field) | Ground::Field(field, _) => Vector(
+            Ground::Field(field, _) => Vector(
                 [field_part(1, 0, 0), field_part(0, 1, 0), field_part(0, 0, 1)].map(|k| Expr::field(c.0, field, k)),
             ),
         }
@@ -92,7 +117,7 @@ impl<'g> Ground<'g> {
     pub(super) fn normal_rate(&self, c: Vector<Expr<'g>>, v: Vector<Expr<'g>>) -> Vector<Expr<'g>> {
         match self {
             Ground::Shape(shape) => shape.normal_rate(c, v),
-            Ground::Height(_, field) | Ground::Field(field, _) => Vector([0, 1, 2].map(|i| {
+            Ground::Field(field, _) => Vector([0, 1, 2].map(|i| {
                 let entry = |k: usize| {
                     let times = |axis: usize| usize::from(i == axis) + usize::from(k == axis);
                     Expr::field(c.0, field, field_part(times(0), times(1), times(2))) * v[k]
@@ -138,6 +163,7 @@ impl<'g> Builder<'_, 'g> {
             "ellipsoid" => return self.ellipsoid(&name, element, &binding, side),
             "revolution" => return self.revolution(&name, element, &binding, side),
             "height" => return self.height(&name, element, &binding),
+            "mesh" => return self.triangles(&name, element, &binding),
             _ => Shape::Plane,
         };
         match self.in_numbers(&shape).check() {
@@ -147,7 +173,7 @@ impl<'g> Builder<'_, 'g> {
     }
 
     /// A length above zero, made of numbers and parameters.
-    fn length(&mut self, element: &SceneElement, key: &str, binding: &Binding) -> Made<Expr<'g>> {
+    pub(super) fn length(&mut self, element: &SceneElement, key: &str, binding: &Binding) -> Made<Expr<'g>> {
         let Some(length) = self.scalar_field(element, key, binding, &Dimension::of(0, 1, 0))? else {
             return Err(self.lacks(element, &format!("`{key}`")));
         };
@@ -155,7 +181,7 @@ impl<'g> Builder<'_, 'g> {
         self.size(length, key, &place, false)
     }
 
-    fn lacks(&mut self, element: &SceneElement, what: &str) -> crate::lower::Reported {
+    pub(super) fn lacks(&mut self, element: &SceneElement, what: &str) -> crate::lower::Reported {
         self.low.report(element.place.clone(), format!("this surface needs {what}"))
     }
 
@@ -197,7 +223,7 @@ impl<'g> Builder<'_, 'g> {
         let [least, most] =
             [numbers.into_iter().fold(f64::INFINITY, f64::min), numbers.into_iter().fold(0.0, f64::max)];
         let room = if side == Side::Inside { least * least / most } else { f64::INFINITY };
-        Ok(Ground::Field(Arc::new(made), room))
+        Ok(Ground::Field(Arc::new(made), Kind::Smooth(room)))
     }
 
     /// A profile in `r`, its height, or in `z`, its radius.
@@ -226,7 +252,7 @@ impl<'g> Builder<'_, 'g> {
             Revolution::of_radius(name, function, range, side)
         };
         let made = made.map_err(|e| self.low.report(place, e.to_string()))?;
-        Ok(Ground::Field(Arc::new(made), f64::INFINITY))
+        Ok(Ground::Field(Arc::new(made), Kind::Smooth(f64::INFINITY)))
     }
 
     fn range(&mut self, element: &SceneElement, binding: &Binding) -> Made<[f64; 2]> {
@@ -255,7 +281,7 @@ impl<'g> Builder<'_, 'g> {
         let graph = self.low.graph;
         let (own, [root, x, y]) = self.apart([height, graph.expr(at[0]), graph.expr(at[1])]);
         let distance = Height::new(Arc::new(Formula::new(name, &own, root, [x, y])));
-        Ok(Ground::Height(HeightOf { height, at }, Arc::new(distance)))
+        Ok(Ground::Field(Arc::new(distance), Kind::Height(HeightOf { height, at })))
     }
 
     /// An expression in which two names are lengths of the surface's own, whatever they are elsewhere.
@@ -318,7 +344,7 @@ impl<'g> Builder<'_, 'g> {
         let Some(ball) = self.evaluate(ball).filter(|r| *r > 0.0) else { return Ok(()) };
         let fits = match ground {
             Ground::Shape(shape) => self.in_numbers(shape).fits(ball),
-            Ground::Field(_, room) if ball >= *room => {
+            Ground::Field(_, Kind::Smooth(room)) if ball >= *room => {
                 Err(ShapeError::TooLarge { shape: "ellipsoid's sharpest bend", ball, room: *room })
             }
             _ => Ok(()),

@@ -23,7 +23,7 @@ use headland_surface::{Shape, Side};
 use super::closures::{Relative, Row};
 use super::number;
 use super::rolling::{Form, RowForce, unit};
-use super::surfaces::Ground;
+use super::surfaces::{Ground, Kind};
 use crate::build::{Builder, Made, bound_name};
 use crate::depend::Kinds;
 use crate::dimension::Dimension;
@@ -135,7 +135,8 @@ impl<'g> Builder<'_, 'g> {
             return Ok(None);
         }
         let shape = self.ground_shape(element, ground, binding)?;
-        if let Ground::Height(height, _) = &shape {
+        self.must_be_smooth(&shape, "rolling without slipping", element)?;
+        if let Ground::Field(_, Kind::Height(height)) = &shape {
             let places = self.places_of(name, ON_HEIGHT)?;
             let at = [0, 1].map(|k| self.coordinate(places[k])[0]);
             return Ok(Some(Curved::Height(height.with(self.low.graph, at))));
