@@ -500,7 +500,8 @@ impl<'m> TimeLoop<'m> {
     /// What the loop has found out.
     pub(crate) fn end(mut self) -> Ending {
         add(&mut self.ending.stats, self.integrator.stats());
-        self.ending.t = self.integrator.t();
+        let t = self.integrator.t();
+        self.ending.t = if t.is_finite() { t } else { self.options.from }; // it never began
         self.ending.method = self.method.name();
         self.ending.why = self.why;
         self.ending.energy_balance = self.balance.as_ref().map(|b| b.defect());

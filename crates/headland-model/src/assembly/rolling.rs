@@ -122,6 +122,7 @@ impl<'g> Builder<'_, 'g> {
                 continue;
             }
             if let (Some(curved), Form::Ball(radius)) = (self.curved_ground(element, ground, &binding)?, &form) {
+                self.check_fit(*radius, &curved, element)?;
                 self.roll_on(&full, &relative, *radius, &curved, element);
                 continue;
             }
