@@ -59,6 +59,7 @@ pub(crate) struct Ending {
     pub(crate) why: String,
     pub(crate) t: f64,
     pub(crate) stats: Stats,
+    pub(crate) operations: usize,
     pub(crate) repartitions: u64,
     pub(crate) mode_changes: u64,
     pub(crate) derive_s: f64,
@@ -109,6 +110,7 @@ impl<'m> TimeLoop<'m> {
                 why: String::new(),
                 t: options.from,
                 stats: Stats::default(),
+                operations: 0,
                 repartitions: 0,
                 mode_changes: 0,
                 derive_s: 0.0,
@@ -502,6 +504,7 @@ impl<'m> TimeLoop<'m> {
         add(&mut self.ending.stats, self.integrator.stats());
         let t = self.integrator.t();
         self.ending.t = if t.is_finite() { t } else { self.options.from }; // it never began
+        self.ending.operations = self.work.system.operations();
         self.ending.method = self.method.name();
         self.ending.why = self.why;
         self.ending.energy_balance = self.balance.as_ref().map(|b| b.defect());
