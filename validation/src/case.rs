@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use headland::model::Data;
-use headland::{Error, Method, Run, RunOptions, Scene, Silent, Status};
+use headland::{Error, Method, Model, Run, RunOptions, Scene, Silent, Status};
 use serde::Serialize;
 
 /// A reference problem.
@@ -194,6 +194,15 @@ impl Case {
     }
 
     fn integrate(&self, expected: &[Expected], more: &[(&str, &str)]) -> Result<Run, Error> {
+        let (model, options) = self.prepare(expected, more)?;
+        Ok(headland::run(&model, &options, &mut Silent)?)
+    }
+
+    /// The model with what is set, and how it is to be run for the expected values.
+    ///
+    /// # Errors
+    /// If the scene is wrong.
+    pub fn prepare(&self, expected: &[Expected], more: &[(&str, &str)]) -> Result<(Model, RunOptions), Error> {
         let mut scene = Scene::parse(self.scene.0, self.scene.1)?;
         for (name, value) in self.set.iter().chain(more) {
             scene.set(name, value)?;
@@ -214,7 +223,7 @@ impl Case {
         } else {
             options.points = 3000;
         }
-        Ok(headland::run(&model, &options, &mut Silent)?)
+        Ok((model, options))
     }
 
     fn compare(&self, expected: &[Expected], run: &Run, result: &mut CaseResult) {
@@ -244,7 +253,9 @@ impl Case {
     }
 }
 
-fn value_of(run: &Run, expected: &Expected) -> Option<f64> {
+/// The value that a run has for what is expected; `None` if it has no such column or time.
+#[must_use]
+pub fn value_of(run: &Run, expected: &Expected) -> Option<f64> {
     let columns: Option<Vec<Vec<f64>>> = expected.columns.iter().map(|c| run.trajectory.named(c)).collect();
     let columns = columns?;
     let all = columns.iter().flatten().copied();

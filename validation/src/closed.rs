@@ -220,3 +220,85 @@ pub(crate) fn radii(delta: f64, l: &[f64], a: &[f64], t: f64) -> Vec<Expected> {
     }
     list
 }
+
+/// A planetary gear with a standing ring turns with constant acceleration. With `i = w_c/w_s = z_s/(z_s + z_r)`, a planet
+/// turns by `−(z_s/z_p)(w_s − w_c)` on the arm.
+///
+/// ```text
+/// w_s′ = (M − L i)/(J_s + i² (J_c + 3 m a²) + 3 J_p w_p²/w_s²)
+/// ```
+pub(crate) fn planetary() -> Vec<Expected> {
+    let (m, l, z_s, z_p): (f64, f64, f64, f64) = (0.4, 0.9, 18.0, 27.0);
+    let (m_p, j_s, j_p, j_c) = (0.15, 1e-4, 2e-4, 3e-3);
+    let a = 2e-3 * (z_s + z_p) / 2.0;
+    let i = z_s / (2.0 * z_s + 2.0 * z_p);
+    let relative = -z_s / z_p * (1.0 - i);
+    let planet = i + relative;
+    let inertia = j_s + i * i * (j_c + 3.0 * m_p * a * a) + 3.0 * j_p * planet * planet;
+    let w = (m - l * i) / inertia;
+    let mut list = Vec::new();
+    for t in [0.5, 1.0, 2.0] {
+        let turned = 0.5 * w * t * t;
+        list.push(Expected::at(t, "s", 0.3 + turned));
+        list.push(Expected::at(t, "c", i * turned));
+        list.push(Expected::at(t, "p[1] - 0.1", relative * turned));
+        list.push(Expected::at(t, "p[2] - 0.2", relative * turned));
+        list.push(Expected::at(t, "planet[3].omega_z", planet * w * t));
+        // a planet that only the sun's teeth drive
+        list.push(Expected::at(t, "inner[2].torque", j_p * planet * w));
+    }
+    list
+}
+
+/// `x = x_0 (1 − cos w t)`, `x_0 = M (r_1/r_2)/(r k)`, `w² = k/(m + (J_2 + J_1 (r_2/r_1)²)/r²)`
+pub(crate) fn rack() -> Vec<Expected> {
+    let (m, r_1, r_2, r, k): (f64, f64, f64, f64, f64) = (2.0, 0.12, 0.04, 0.05, 200.0);
+    let (j_1, j_2, mass) = (0.02, 0.003, 1.5);
+    let i = r_2 / r_1; // of the large wheel by the small one
+    let w = (k / (mass + (j_2 + j_1 * i * i) / (r * r))).sqrt();
+    let rest = m * i / (r * k);
+    let mut list = Vec::new();
+    for t in [0.5, 1.0, 3.0] {
+        let x = rest * (1.0 - (w * t).cos());
+        let acceleration = rest * w * w * (w * t).cos();
+        let tooth = mass * acceleration + k * x;
+        let torque = j_2 * acceleration / r + r * tooth;
+        list.push(Expected::at(t, "x", x));
+        list.push(Expected::at(t, "psi + 0.4", x / r));
+        list.push(Expected::at(t, "phi - 1", -i * x / r));
+        list.push(Expected::at(t, "mesh.force", tooth));
+        list.push(Expected::at(t, "pair.torque", torque));
+        list.push(Expected::at(t, "pair.force", torque / r_2));
+    }
+    list
+}
+
+/// A disc of radius r that runs round inside a sphere at a constant lean α, its contact at `P_x = R sin θ` from the middle,
+/// its centre at `c_x = P_x − r sin α`:
+///
+/// ```text
+/// Ω² [ r m c_x cos α + J_t cos α sin α − J_a cos α (sin α − P_x/r) ] = r m g sin α
+/// F = m (−Ω² c_x, 0, g),    n = (−sin θ, 0, cos θ)
+/// ```
+pub(crate) fn bowl() -> Vec<Expected> {
+    let (m, r, radius, theta, alpha, g): (f64, f64, f64, f64, f64, f64) = (1.3, 0.3, 2.0, 0.8, 0.5, 9.81);
+    let (sin, cos) = alpha.sin_cos();
+    let p = radius * theta.sin();
+    let c = p - r * sin;
+    let turn = r * m * c * cos + m * r * r / 4.0 * cos * sin - m * r * r / 2.0 * cos * (sin - p / r);
+    let rate = (r * m * g * sin / turn).sqrt();
+    let mut list = Vec::new();
+    for t in [1.0, 2.0, 5.0] {
+        let (y, x) = (rate * t).sin_cos();
+        list.push(Expected::at(t, "disc.x", c * x));
+        list.push(Expected::at(t, "disc.y", c * y));
+        list.push(Expected::at(t, "disc.z", r * cos - radius * theta.cos()));
+        list.push(Expected::at(t, "disc.eyz", sin));
+        list.push(Expected::at(t, "contact.x", p * x));
+        list.push(Expected::at(t, "contact.y", p * y));
+        list.push(Expected::at(t, "contact.along", 0.0));
+        list.push(Expected::at(t, "contact.fz", m * g));
+        list.push(Expected::at(t, "contact.normal", m * (rate * rate * c * theta.sin() + g * theta.cos())));
+    }
+    list
+}

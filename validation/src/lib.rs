@@ -21,10 +21,11 @@ mod case;
 pub mod cases;
 mod closed;
 mod linear;
+mod reduced;
 mod reference;
 mod report;
 
-pub use case::{Case, CaseResult, Comparison, Expected, Moment};
+pub use case::{Case, CaseResult, Comparison, Expected, Moment, value_of};
 pub use cases::{cases, linear_cases};
 pub use linear::LinearCase;
 pub use report::{to_json, to_table};

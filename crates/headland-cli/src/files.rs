@@ -86,7 +86,7 @@ fn plots(model: &Model, trajectory: &Trajectory) -> Vec<headland::model::Plot> {
 }
 
 /// A file name made of a title.
-fn slug(title: &str) -> String {
+pub(crate) fn slug(title: &str) -> String {
     let mut slug = String::new();
     for c in title.chars().flat_map(char::to_lowercase) {
         if c.is_alphanumeric() {

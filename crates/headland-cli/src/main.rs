@@ -1,6 +1,7 @@
 //! `headland`: the command line. Results to stdout, progress and warnings to stderr; exit 0 done, 1 the run failed,
 //! 2 the input is wrong.
 
+mod bench;
 mod check;
 mod derive;
 mod files;
@@ -36,6 +37,8 @@ enum Command {
     Linearize(linearize::LinearizeArgs),
     /// Say everything that is wrong with a scene, or what it is
     Check(SceneArgs),
+    /// Time against error for methods and tolerances: a table, JSON, a plot
+    Bench(bench::BenchArgs),
     /// Print the JSON Schema of scene files, for editors
     Schema,
     /// Run the reference problems and compare
@@ -104,6 +107,7 @@ fn main() -> ExitCode {
         Command::Derive(args) => derive::derive(&args),
         Command::Linearize(args) => linearize::linearize(&args),
         Command::Check(args) => check::check(&args),
+        Command::Bench(args) => bench::bench(&args),
         Command::Schema => print(&format!("{:#}\n", headland::model::format::json_schema())),
         #[cfg(feature = "validate")]
         Command::Validate(args) => validate(&args),

@@ -14,13 +14,15 @@
 //! others and is left out of the eigenvalues and of the test that A is constant.
 //!
 //! In order: [`linearise`] is the whole, `tangent` makes T, `derivatives` the matrices, `steady` refuses a state that
-//! is neither equilibrium nor relative equilibrium, [`modes`] has the eigenvalues.
+//! is neither equilibrium nor relative equilibrium, `carried` takes other axes for a body that spins, [`modes`] has the
+//! eigenvalues.
 //!
 //! # References
 //! Meijaard, Papadopoulos, Ruina, Schwab, *Linearized dynamics equations for the balance and steer of a bicycle*,
 //! 2007, section 5; Peterson, Gede, Hubbard, *Symbolic linearization of equations of motion of constrained multibody
 //! systems*, 2015 (the split into positions and velocities).
 
+mod carried;
 mod derivatives;
 pub mod modes;
 mod steady;
@@ -39,7 +41,8 @@ pub use steady::pattern;
 /// A state of the linear system, or one of its inputs.
 #[derive(Clone, PartialEq, Debug)]
 pub struct LinearState {
-    /// Name: a coordinate's, `∫w` for the turn that belongs to a joint's velocity `w`, or a quasi-velocity's.
+    /// Name: a coordinate's, `∫w` for the turn that belongs to a joint's velocity `w`, or a quasi-velocity's; `lean of b`,
+    /// `precession of b`, `spin of b` where the turns and velocities of b are along axes that do not spin with it.
     pub name: String,
     /// SI unit.
     pub unit: String,
@@ -178,6 +181,13 @@ pub enum LineariseError {
     NoEigenvalues,
 }
 
+impl LineariseError {
+    /// Whether axes of a body that turn may be why there are no constant matrices.
+    fn turning(&self) -> bool {
+        matches!(self, Self::NotSteady { turning: true, .. } | Self::Changing { turning: true, .. })
+    }
+}
+
 /// The state `[q, u]` at the start of the model, for the independent velocities of its equations.
 ///
 /// # Errors
@@ -225,16 +235,35 @@ pub fn linearise(
     y: &[f64],
     inputs: &[String],
 ) -> Result<Linearised, LineariseError> {
-    let derivatives = Derivatives::new(model, equations, t, y, inputs)?;
-    let here = derivatives.at(t, y)?;
-    steady::check_rates(&derivatives, &here, 0.0)?;
-    let cyclic = steady::cyclic(&here.a, derivatives.displacements());
-    steady::check_constant(&derivatives, &here, t, y, &cyclic)?;
+    if equations.kinematics.quasi.is_empty() {
+        let (coordinates, constraints) = (model.coordinates.len(), model.kinematics.len());
+        return Err(DeriveError::NoFreedom { coordinates, constraints }.into());
+    }
+    let mut derivatives = Derivatives::new(model, equations, t, y, inputs)?;
+    let (here, cyclic) = match constant_matrices(&derivatives, t, y) {
+        Err(refused) if refused.turning() && derivatives.carry(t, y)? => {
+            constant_matrices(&derivatives, t, y).map_err(|_| refused)?
+        }
+        found => found?,
+    };
     let states = derivatives.states(y, &cyclic);
     let speeds = model.coordinates.iter().zip(&here.rates).map(|(c, rate)| rate.abs() / c.scale);
     let at_rest = speeds.fold(0.0, f64::max) < 1e-12;
     let (displacements, inputs) = (derivatives.displacements(), derivatives.inputs());
     Ok(Linearised { t, at_rest, states, displacements, inputs, a: here.a, b: here.b, mass: here.mass })
+}
+
+/// The matrices, if they are those of an equilibrium or a steady motion, and which displacements are cyclic.
+fn constant_matrices(
+    derivatives: &Derivatives<'_>,
+    t: f64,
+    y: &[f64],
+) -> Result<(derivatives::Point, Vec<bool>), LineariseError> {
+    let here = derivatives.at(t, y)?;
+    steady::check_rates(derivatives, &here, 0.0)?;
+    let cyclic = steady::cyclic(&here.a, derivatives.displacements());
+    steady::check_constant(derivatives, &here, t, y, &cyclic)?;
+    Ok((here, cyclic))
 }
 
 #[cfg(test)]

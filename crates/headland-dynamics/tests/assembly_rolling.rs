@@ -167,6 +167,31 @@ fn what_cannot_roll_is_told() {
         ("body = \"a\"\non = \"f\"\nradius = 1", "rolls on the body that it belongs to"),
         ("body = \"a\"", "needs `radius`"),
         ("body = \"a\"\naxis = \"y\"", "needs `radius`"),
+        ("body = \"a\"\nradius = 1\nheight = 2", "`height` means nothing here: it belongs to `surface = \"height\"`"),
+        ("body = \"a\"\nradius = 1\nsurface = \"height\"", "needs `height`: z by `c.s` and `c.t`"),
+        ("body = \"a\"\nradius = 1\nsurface = \"height\"\nheight = \"c.s + a.x\"", "`height` depends on `a.x`"),
+        ("body = \"a\"\nradius = 1\nsurface = \"height\"\nheight = \"c.s*sin(t/1[s])\"", "`height` depends on `t`"),
+        ("body = \"a\"\nradius = 1\nsurface_radius = 2", "`surface_radius` means nothing here"),
+        ("body = \"a\"\nradius = 1\noutside = true", "`outside` means nothing here"),
+        ("body = \"a\"\nradius = 1\naxis = \"y\"\ntube = 1", "`radius` goes to the middle of the rim's section"),
+        ("body = \"a\"\nradius = 1\naxis = \"y\"\ntube = -0.1", "`tube` is -0.1 m; it must be at least 0"),
+        ("body = \"a\"\nradius = 1\naxis = \"z\"", "lies flat at the start"),
+        ("body = \"a\"\nradius = 1\naxis = \"z\"\nsurface = \"height\"\nheight = \"0*c.s\"", "lies flat at the start"),
+        ("body = \"a\"\nradius = 1\naxis = \"y\"\nsurface = \"sphere\"", "needs `surface_radius`"),
+        (
+            "body = \"a\"\nradius = 1\naxis = \"y\"\nsurface = \"sphere\"\nsurface_radius = 0.5",
+            "does not fit into a sphere of 0.5 m",
+        ),
+        (
+            "body = \"a\"\nradius = 1\naxis = \"y\"\nsurface = \"sphere\"\nsurface_radius = -2",
+            "`surface_radius` is -2 m",
+        ),
+        ("body = \"a\"\nradius = 1\naxis = \"y\"\nsurface = \"bowl\"", "`surface` is \"plane\""),
+        (
+            "body = \"a\"\non = \"ramp\"\nradius = 1\nsurface = \"sphere\"\nsurface_radius = 3\n[[surface]]\nname = \"ramp\"\nshape = \"plane\"",
+            "`surface` means nothing here: the ground is the surface `ramp`",
+        ),
+        ("body = \"a\"\non = \"road\"\nradius = 1", "`road` is undefined, not a body or frame"),
     ] {
         let text = format!("{start}[[rolling]]\nname = \"c\"\n{rolling}\n");
         let Err(error) = read(&text).build() else { panic!("{text}") };

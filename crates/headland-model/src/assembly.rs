@@ -10,6 +10,7 @@ mod contact;
 mod curved;
 mod fields;
 mod forces;
+mod gears;
 mod joints;
 mod links;
 mod motion;
@@ -33,6 +34,7 @@ use crate::symbols::{Binding, Members, Symbol};
 
 use joints::JointKind;
 pub(crate) use motion::Motion;
+use quantities::is_round;
 pub(crate) use quantities::{QUANTITIES, quantity};
 
 /// What a frame is fixed to.
@@ -67,6 +69,8 @@ struct JointEntry<'s> {
     /// True where the scene says that it closes a loop.
     cut: bool,
     by_angles: bool,
+    /// The angular velocity is a quasi-velocity by components along the world's axes.
+    in_world: bool,
 }
 
 /// Bodies, frames and joints of a scene.
@@ -86,13 +90,16 @@ pub(crate) struct Assembly<'s, 'g> {
     total: quantities::Total<'g>,
     /// Torques of joints that close loops.
     closing_forces: Vec<(String, Reaction, bool)>,
+    /// Gears whose offset follows from the start.
+    meshes: Vec<gears::Mesh<'g>>,
     /// Places of contact on curved ground.
     touches: Vec<touching::Touch<'g>>,
     /// Discs that roll: contact, place, and sine of the angle between axis and normal.
     tilts: Vec<(String, Place, headland_expr::NodeId)>,
 }
 
-const SECTIONS: [&str; 9] = ["body", "frame", "surface", "joint", "rolling", "contact", "skate", "spring", "bushing"];
+const SECTIONS: [&str; 10] =
+    ["body", "frame", "surface", "joint", "rolling", "contact", "skate", "gear", "spring", "bushing"];
 
 impl<'s, 'g> Builder<'s, 'g> {
     /// Declares bodies, frames, joints and their coordinates.
@@ -225,7 +232,7 @@ impl<'s, 'g> Builder<'s, 'g> {
 
     /// Constraints and forces between frames; definitions may be used here.
     pub(crate) fn assembly_elements(&mut self) {
-        for section in ["rolling", "contact", "skate", "spring", "bushing"] {
+        for section in ["rolling", "contact", "skate", "gear", "spring", "bushing"] {
             self.no_name_twice(section);
         }
         for element in self.scene.section_elements("rolling") {
@@ -236,6 +243,9 @@ impl<'s, 'g> Builder<'s, 'g> {
         }
         for element in self.scene.section_elements("skate") {
             let _ = self.skate(element);
+        }
+        for element in self.scene.section_elements("gear") {
+            let _ = self.gear(element);
         }
         for element in self.scene.section_elements("spring") {
             let _ = self.spring(element);
@@ -275,6 +285,10 @@ impl<'s, 'g> Builder<'s, 'g> {
         let Some((element, binding)) = self.assembly.frames[frame].element.clone() else { return Ok(()) };
         let Some(motion) = self.assembly.frames[frame].motion else { return Ok(()) };
         let (mass, centre, tensor) = self.inertia_fields(element, &binding)?;
+        let is_free = |j: &JointEntry<'_>| j.element.is_none() && j.to == frame;
+        if !self.assembly.joints.iter().any(is_free) {
+            self.without(element, &["angular_velocity"], "the body is not free: its joint has the velocities")?;
+        }
         self.link_inertia(frame, mass, centre, tensor);
         let c = motion.fixed(&Pose::at(centre));
         let graph = self.low.graph;
@@ -285,6 +299,10 @@ impl<'s, 'g> Builder<'s, 'g> {
         };
         let potential = -(self.world_gravity().dot(c.position) * mass);
         let weight = gravity * mass;
+        let (spin, spin_rate) = match c.level_spin {
+            Some(level) if is_round(&tensor) => level,
+            _ => (c.spin, c.spin_rate),
+        };
         let Symmetric(entries) = tensor;
         self.assembly.total.add(mass, &c, tensor);
         self.parts.bodies.push(Body {
@@ -292,7 +310,7 @@ impl<'s, 'g> Builder<'s, 'g> {
             mass: graph.id(mass),
             velocity: VectorStructure { rate: ids(velocity), acceleration: Some(ids(acceleration)) },
             tensor: entries.map(|e| graph.id(e)),
-            spin: VectorStructure { rate: ids(c.spin), acceleration: Some(ids(c.spin_rate)) },
+            spin: VectorStructure { rate: ids(spin), acceleration: Some(ids(spin_rate)) },
             weight: ids(weight),
             potential: graph.id(potential),
             place: element.place.clone(),

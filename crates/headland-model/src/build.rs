@@ -163,6 +163,7 @@ impl<'s, 'g> Builder<'s, 'g> {
             self.plots(); // else a column may be missing in consequence
         }
         self.run_settings();
+        self.offset_meshes();
         self.guess_places();
         self.array_lengths();
         self.unused_prescribed();

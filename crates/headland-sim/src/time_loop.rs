@@ -96,7 +96,7 @@ impl<'m> TimeLoop<'m> {
         Ok(Self {
             integrator: stepper(method, system, solver_options(model, system, options))?,
             y,
-            balance: options.balance.then(|| Balance::new(system.clone())),
+            balance: (options.balance && !system.is_empty()).then(|| Balance::new(system.clone())),
             warned: vec![false; model.guards.len()],
             passage: Passage::default(),
             passages: 0,

@@ -175,3 +175,102 @@ fn what_would_touch_in_two_places_is_told() {
     let status = format!("{:?}", run_with(&model, |_| {}).report.status);
     assert!(status.contains("would touch in more than one place"), "{status}");
 }
+
+/// A surface with a name, in a frame of its own, is the same ground.
+#[test]
+fn named_surfaces_are_ground_for_wheels() {
+    let named = "on = \"bowl\"\n[[surface]]\nname = \"bowl\"\nshape = \"sphere\"\nradius = 1.5\ninside = true\n";
+    let [a, b] = [GROUNDS[1].0, named].map(|ground| run(&roller(FORMS[2].1, ground, GROUNDS[1].1), 1.0, 1e-11));
+    assert!(difference(&a, &b, 13) < 1e-12);
+}
+
+/// Bodies that roll on bodies, nothing else acting: momentum, angular momentum and energy stay, whichever of the two is the
+/// ground.
+#[test]
+fn bodies_that_roll_on_bodies_keep_momentum() {
+    let body = |name: &str, mass: f64, r: f64| {
+        format!("[[body]]\nname = \"{name}\"\nmass = {mass}\nshape = \"sphere\"\nsize = {r}\n")
+    };
+    let columns = "[outputs]\ncolumns = [\"a.x\", \"a.y\", \"a.z\", \"b.x\", \"a.omega_x\", \"b.omega_z\", \"system.px\", \
+                   \"system.py\", \"system.pz\", \"system.lx\", \"system.ly\", \"system.lz\", \"system.kinetic_energy\"]\n";
+    let start = "[initial]\n\"a.x\" = 0\n\"a.y\" = 0\n\"a.z\" = 0\n\"b.x\" = 0.3\n\"b.y\" = 0.4\n\"b.z\" = 1.2\n\
+                 \"a.wx\" = 1\n\"a.wy\" = -0.5\n\"a.wz\" = 0.7\n\"b.wx\" = 2\n\"b.wy\" = 1.5\n\"b.wz\" = -3\n\
+                 \"a.x'\" = 0.1\n\"a.y'\" = 0.2\n\"a.z'\" = -0.3\n";
+    let contact = |body: &str, on: &str, form: &str, radius: f64| {
+        format!(
+            "[[rolling]]\nname = \"c\"\nbody = \"{body}\"\non = \"{on}\"\n{form}surface = \"sphere\"\n\
+             surface_radius = {radius}\noutside = true\n"
+        )
+    };
+    let bodies = format!("{}{}", body("a", 2.0, 0.9), body("b", 1.0, 0.4));
+    let texts = [
+        contact("b", "a", "radius = 0.4\n", 0.9),
+        contact("a", "b", "radius = 0.9\n", 0.4),
+        contact("b", "a", "semi_axes = [0.4, 0.4, 0.4]\n", 0.9),
+        contact("a", "b", "semi_axes = [0.9, 0.9, 0.9]\n", 0.4),
+    ];
+    let runs = texts.map(|contact| run(&format!("{bodies}{contact}{start}{columns}"), 2.0, 1e-12));
+    for r in &runs {
+        assert!(
+            difference(r, &runs[0], 13) < 1e-9,
+            "{:?}\n{:?}",
+            r.trajectory.rows.last(),
+            runs[0].trajectory.rows.last()
+        );
+        let first = &r.trajectory.rows[0];
+        for row in &r.trajectory.rows {
+            let worst = (6..13).map(|k| (row[k] - first[k]).abs()).fold(0.0, f64::max);
+            assert!(worst < 1e-9, "{worst:e} {row:?}\n{first:?}");
+        }
+    }
+}
+
+/// A ball on top of a ball that turns about its middle as it likes, gravity down: while the line of centres stays in a plane
+/// both only turn about its normal and
+///
+/// ```text
+/// (m + k) L θ″ = m g sin θ,   k = 1/(R²/I_a + r²/I_b),   L = R + r
+/// ```
+/// No slip `R w_a + r w_b = L θ′`, both counted along their turn, one tangential force T on both,
+/// `I_a w_a′ = R T`, `I_b w_b′ = r T`, `m L θ″ = m g sin θ − T`: `T = L θ″/(R²/I_a + r²/I_b)`.
+#[test]
+fn a_ball_rolls_off_a_ball_that_turns() {
+    let (big, small, m_a, m, g) = (0.9_f64, 0.4_f64, 2.0_f64, 1.0_f64, 9.81_f64);
+    let text = format!(
+        "[world]\ngravity = [0, 0, -{g}]\n\
+         [[body]]\nname = \"a\"\nmass = {m_a}\nshape = \"sphere\"\nsize = {big}\n\
+         [[joint]]\nname = \"pivot\"\nkind = \"spherical\"\nto = \"a\"\n\
+         [[body]]\nname = \"b\"\nmass = {m}\nshape = \"sphere\"\nsize = {small}\n\
+         [[rolling]]\nname = \"c\"\nbody = \"b\"\non = \"a\"\nradius = {small}\nsurface = \"sphere\"\n\
+         surface_radius = {big}\noutside = true\n\
+         [initial]\n\"b.x\" = {:?}\n\"b.y\" = 0\n\"b.z\" = {:?}\n\"b.x'\" = 0\n\"b.z'\" = 0\n\"pivot.wy\" = 0\n\
+         [outputs]\ncolumns = [\"b.x\", \"b.z\", \"a.wy\", \"b.wy\"]\n",
+        1.3 * 0.2_f64.sin(),
+        1.3 * 0.2_f64.cos(),
+    );
+    let run = run(&text, 0.6, 1e-12);
+    let (i_a, i_b, l) = (0.4 * m_a * big * big, 0.4 * m * small * small, big + small);
+    let k = 1.0 / (big * big / i_a + small * small / i_b); // T = k L θ″
+    let rate = |theta: f64| m * g * theta.sin() / ((m + k) * l);
+    // θ″ by Runge and Kutta's method of order 4 in small steps
+    let (mut theta, mut omega, mut t) = (0.2_f64, 0.0_f64, 0.0_f64);
+    for (row, &end) in run.trajectory.rows.iter().zip(&run.trajectory.t) {
+        let n = ((end - t) / 1e-4).ceil().max(1.0);
+        let h = (end - t) / n;
+        for _ in 0..n as usize {
+            let (k1, l1) = (omega, rate(theta));
+            let (k2, l2) = (omega + 0.5 * h * l1, rate(theta + 0.5 * h * k1));
+            let (k3, l3) = (omega + 0.5 * h * l2, rate(theta + 0.5 * h * k2));
+            let (k4, l4) = (omega + h * l3, rate(theta + h * k3));
+            theta += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+            omega += h / 6.0 * (l1 + 2.0 * l2 + 2.0 * l3 + l4);
+        }
+        t = end;
+        let tangential = k * l * omega; // ∫ T
+        // b moves to +x: it turns about +y; the ball below turns against it
+        let expected = [l * theta.sin(), l * theta.cos(), big * tangential / i_a, small * tangential / i_b];
+        for (k, (found, expected)) in row.iter().zip(expected).enumerate() {
+            assert!((found.abs() - expected.abs()).abs() < 1e-9, "column {k} at {t}: {row:?} {expected}");
+        }
+    }
+}

@@ -1,6 +1,6 @@
 //! Closed loops.
 
-use super::{model, reference};
+use super::{model, reference, scene};
 use crate::case::{Case, Expected};
 use crate::closed;
 
@@ -8,6 +8,22 @@ const ANDREWS: &str = "ivp_quad.json: index-1 form in quad precision, constraint
 const IFTOMM: &str = "iftomm_rigid.json: quad precision Gragg-Bulirsch-Stoer";
 
 pub(crate) const CASES: &[Case] = &[
+    Case {
+        name: "planetary_gear",
+        scene: scene!("planetary_gear"),
+        expected: closed::planetary,
+        bite: ("M", "0.404"),
+        source: "closed form: Willis, Lagrange",
+        ..Case::USUAL
+    },
+    Case {
+        name: "rack_and_pinion",
+        scene: scene!("rack_and_pinion"),
+        expected: closed::rack,
+        bite: ("r", "5.05 cm"),
+        source: "closed form: harmonic oscillation",
+        ..Case::USUAL
+    },
     Case {
         name: "andrews",
         scene: model!("andrews"),
@@ -46,8 +62,8 @@ pub(crate) const CASES: &[Case] = &[
         name: "four_bar_1",
         scene: model!("four_bar_n"),
         set: &[("N", "1")],
-        tolerance: 1e-9,
-        allowed: 1e-5, // see `four_bar`
+        tolerance: 1e-11,
+        allowed: 2e-6, // see `four_bar`
         balance: 1e-6,
         expected: || four_bar("1"),
         bite: ("g", "9.9"),
@@ -57,8 +73,8 @@ pub(crate) const CASES: &[Case] = &[
     Case {
         name: "four_bar_2",
         scene: model!("four_bar_n"),
-        tolerance: 1e-9,
-        allowed: 1e-5,
+        tolerance: 1e-11,
+        allowed: 2e-6,
         balance: 1e-6,
         expected: || four_bar("2"),
         bite: ("g", "9.9"),
@@ -126,8 +142,9 @@ fn andrews(pointer: &str, times: &[&str]) -> Vec<Expected> {
 }
 
 /// Every second the bars lie in a line once or twice. At an angle d from there a loop's equation has a slope of about d:
-/// rounding of 1e-16 leaves the rockers' angles open by 1e-16/d, their rates by 1e-16/d^2. Stages of steps fall within
-/// 1e-3 of the place, so that six to eight digits are left whatever the tolerance.
+/// rounding of 1e-16 leaves the rockers' angles open by 1e-16/d, their rates by 1e-16/d^2, and the step over the place is
+/// held to a hundred tolerances only. How near to it a stage falls is chance. Over 60 tolerances from 1e-11 to 2.2e-11 the
+/// error was 3e-9 to 6e-7, mostly 1e-7; it grows with the tolerance, ten times for ten times.
 fn four_bar(n: &str) -> Vec<Expected> {
     reference!("iftomm_rigid").rows(
         &format!("/A02_N_four_bar/values/{n}"),

@@ -5,6 +5,7 @@ use headland_expr::{Dual, NodeId};
 use headland_model::Model;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, LU};
 
+use super::carried::{Carried, triples};
 use super::tangent::Tangent;
 use super::{LinearState, LineariseError};
 use crate::derive::Equations;
@@ -21,6 +22,10 @@ pub(super) struct Derivatives<'m> {
     roots: Vec<NodeId>,
     /// Parameters by position.
     parameters: Vec<usize>,
+    /// Axes that do not spin with their bodies.
+    carried: Vec<Carried>,
+    /// When they coincide with the bodies'.
+    start: f64,
 }
 
 /// The matrices at a state.
@@ -59,7 +64,42 @@ impl<'m> Derivatives<'m> {
         if let Some(&p) = parameters.iter().find(|p| tangent.depends_on(model.parameters[**p].input)) {
             return Err(LineariseError::InputMovesConstraints { name: model.parameters[p].name.clone() });
         }
-        Ok(Self { model, equations, tangent, roots, parameters })
+        Ok(Self { model, equations, tangent, roots, parameters, carried: Vec::new(), start: t })
+    }
+
+    /// Takes axes that do not spin with balls, as the motion at the state suggests; false if there is nothing to take.
+    pub(super) fn carry(&mut self, t: f64, y: &[f64]) -> Result<bool, LineariseError> {
+        let (nq, ns) = (self.sizes().0, self.displacements());
+        let here = self.at(t, y)?;
+        let second = self.second_rates(t, y, &here.rates);
+        let turns: Vec<&str> = self.tangent.displacements.iter().map(|(name, ..)| name.as_str()).collect();
+        let velocities: Vec<&str> = self.equations.kinematics.quasi.iter().map(|u| u.name.as_str()).collect();
+        let found = triples(&turns, &velocities).into_iter().filter_map(|triple| {
+            let of = |values: &[f64]| triple.velocities.map(|k| values[k]);
+            Carried::new(triple.clone(), of(&y[nq..]), of(&here.rates[nq..]), of(&second), &here.a, ns)
+        });
+        self.carried = found.collect();
+        Ok(!self.carried.is_empty())
+    }
+
+    /// u″ along the motion.
+    fn second_rates(&self, t: f64, y: &[f64], rates: &[f64]) -> Vec<f64> {
+        let (nq, nu) = self.sizes();
+        let model = self.model;
+        let numbers = inputs_at(model, self.equations, t, y);
+        let mut x: Vec<Dual<f64>> = numbers.iter().map(|v| Dual::new(*v, 0.0)).collect();
+        x[model.input_index(model.time)].dot = 1.0;
+        model.coordinates.iter().zip(rates).for_each(|(c, rate)| x[model.input_index(c.q)].dot = *rate);
+        let quasi = &self.equations.kinematics.quasi;
+        quasi.iter().zip(&rates[nq..]).for_each(|(u, rate)| x[model.input_index(u.u)].dot = *rate);
+        let values = model.graph.eval(&self.roots, &x);
+        let rest = &values[nq..];
+        let m = DMatrix::from_fn(nu, nu, |i, j| rest[packed(i.max(j), i.min(j))].value);
+        let force = |i: usize| {
+            let turned: f64 = (0..nu).map(|j| rest[packed(i.max(j), i.min(j))].dot * rates[nq + j]).sum();
+            rest[nu * (nu + 1) / 2 + i].dot - turned
+        };
+        solve(&m.lu(), DVector::from_fn(nu, |i, _| force(i))).iter().copied().collect()
     }
 
     pub(super) fn displacements(&self) -> usize {
@@ -107,7 +147,13 @@ impl<'m> Derivatives<'m> {
             value: *value,
             cyclic: false,
         });
-        displacements.chain(velocities).collect()
+        let mut states: Vec<LinearState> = displacements.chain(velocities).collect();
+        for carried in &self.carried {
+            for (turn, name) in carried.triple.turns.into_iter().zip(carried.names()) {
+                states[turn].name = name;
+            }
+        }
+        states
     }
 
     pub(super) fn inputs(&self) -> Vec<LinearState> {
@@ -201,7 +247,11 @@ impl<'m> Derivatives<'m> {
         }
         let mass = DMatrix::from_fn(nu, nu, |i, j| here[nq + packed(i.max(j), i.min(j))]);
         let rates = here[..nq].iter().chain(u_rate.iter()).copied().collect();
-        Ok(Point { rates, a, b, mass })
+        let mut point = Point { rates, a, b, mass };
+        for carried in &self.carried {
+            carried.apply(&mut point, t - self.start, &y[nq..], nq, ns);
+        }
+        Ok(point)
     }
 }
 

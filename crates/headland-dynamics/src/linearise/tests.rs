@@ -290,8 +290,79 @@ fn disc_with_a_quaternion() {
     assert!(standing.at_rest);
     assert!(names(&standing, false).contains(&"∫disc.wx"), "{:?}", standing.states);
     has_eigenvalues(&standing, &[(root, 0.0), (-root, 0.0), (0.0, 0.0), (0.0, 0.0)], 1e-12);
-    // rolling: its axes turn with it
-    refused(&text, &[("disc.wy", "4")], &[], &["steady but its linear system is not", "goes from", "massless bodies"]);
+}
+
+/// The disc or ring as a free body: on its way with the lean, spun by an angle before, headed anywhere.
+fn rolling_freely(
+    body: &str,
+    [heading, lean, spun]: [f64; 3],
+    [u2, u3]: [f64; 2],
+) -> Result<Linearised, LineariseError> {
+    let half = |angle: f64| (0.5 * angle).sin_cos();
+    let product = |[a, b, c, d]: [f64; 4], [e, f, g, h]: [f64; 4]| {
+        let (w, x) = (a * e - b * f - c * g - d * h, a * f + b * e + c * h - d * g);
+        [w, x, a * g - b * h + c * e + d * f, a * h + b * g - c * f + d * e]
+    };
+    let (z, x, y) = (half(heading), half(lean), half(spun));
+    let about = product([z.1, 0.0, 0.0, z.0], [x.1, x.0, 0.0, 0.0]);
+    let [qw, qx, qy, qz] = product(about, [y.1, 0.0, y.0, 0.0]);
+    let (wx, wz) = (-spun.sin() * u3, spun.cos() * u3);
+    let text = format!(
+        "{body}[initial]\n\"disc.qw\" = {qw:e}\n\"disc.qx\" = {qx:e}\n\"disc.qy\" = {qy:e}\n\"disc.qz\" = {qz:e}\n\
+         \"disc.wx\" = {wx:e}\n\"disc.wy\" = {u2:e}\n\"disc.wz\" = {wz:e}\n"
+    );
+    linear(&text, &[], &[])
+}
+
+/// Straight on: `(I + m r²) lean″ = (m g r − J (J + m r²) w²/I) lean`, I across, J about the axis. A disc stands from
+/// v² = g r/3 on, a ring from g r/4.
+#[test]
+fn disc_and_ring_with_a_quaternion_roll_straight() {
+    let ring =
+        BODY.replace("shape = \"disc\"\naxis = \"y\"\nsize = \"r\"", "inertia = [\"m*r^2/2\", \"m*r^2\", \"m*r^2/2\"]");
+    let (g, r): (f64, f64) = (9.81, 0.3);
+    for (body, across, axial, limit) in [(BODY, 0.25, 0.5, g * r / 3.0), (ring.as_str(), 0.5, 1.0, g * r / 4.0)] {
+        for part in [0.5_f64, 1.0 - 1e-4, 1.0 + 1e-4, 3.0] {
+            let spin = (part * limit).sqrt() / r;
+            let square = (g / r - axial * (axial + 1.0) / across * spin * spin) / (across + 1.0);
+            let root = square.abs().sqrt();
+            for angles in [[0.0; 3], [0.7, 0.0, 0.4], [-2.1, 0.0, 5.0]] {
+                let linear = rolling_freely(body, angles, [spin, 0.0]).unwrap_or_else(|e| panic!("{angles:?}: {e}"));
+                assert!(
+                    names(&linear, true).starts_with(&["precession of disc", "spin of disc"]),
+                    "{:?}",
+                    linear.states
+                );
+                let pair = if square > 0.0 { [(root, 0.0), (-root, 0.0)] } else { [(0.0, root), (0.0, -root)] };
+                has_eigenvalues(&linear, &[pair[0], pair[1], (0.0, 0.0), (0.0, 0.0)], 1e-10);
+                assert_eq!(linear.modes().unwrap()[0].re > 1e-6, part < 1.0, "{part}");
+            }
+        }
+    }
+}
+
+/// In a circle, by sympy's equations as in [`disc_rolling_in_a_circle`].
+#[test]
+fn disc_with_a_quaternion_rolls_in_a_circle() {
+    let (g, r, lean, u3): (f64, f64, f64, f64) = (9.81, 0.3, 0.35, 1.7);
+    let (sin, cos, tan) = (lean.sin(), lean.cos(), lean.tan());
+    let u2 = (r * u3 * u3 * tan - 4.0 * g * sin) / (6.0 * r * u3);
+    let of_lean = (4.0 * g * cos - u3 * u3 * r / (cos * cos)) / (5.0 * r);
+    let square = of_lean - 0.8 * u3 * u3 + (1.2 * u2 - 0.4 * u3 * tan) * (u3 * tan - 2.0 * u2);
+    let root = square.abs().sqrt();
+    let pair = if square > 0.0 { [(root, 0.0), (-root, 0.0)] } else { [(0.0, root), (0.0, -root)] };
+    for angles in [[0.0, lean, 0.0], [0.7, lean, 0.4], [-2.1, lean, 5.0]] {
+        let linear = rolling_freely(BODY, angles, [u2, u3]).unwrap_or_else(|e| panic!("{angles:?}: {e}"));
+        assert!(names(&linear, true).starts_with(&["precession of disc", "spin of disc"]), "{:?}", linear.states);
+        assert!(!linear.at_rest);
+        has_eigenvalues(&linear, &[pair[0], pair[1], (0.0, 0.0), (0.0, 0.0)], 1e-10);
+    }
+    // a little beside the circle, and a body that is not round, whatever its axes
+    let beside = rolling_freely(BODY, [0.0, lean, 0.0], [u2 - 0.1, u3]);
+    assert!(matches!(beside, Err(LineariseError::NotSteady { .. })), "{beside:?}");
+    let oblong = BODY.replace("shape = \"disc\"\naxis = \"y\"\nsize = \"r\"", "inertia = [0.02, 0.045, 0.03]");
+    let oblong = rolling_freely(&oblong, [0.0; 3], [4.0, 0.0]);
+    assert!(matches!(oblong, Err(LineariseError::Changing { .. })), "{oblong:?}");
 }
 
 #[test]

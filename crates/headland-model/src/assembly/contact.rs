@@ -182,7 +182,9 @@ impl<'g> Builder<'_, 'g> {
         let shift = ["x", "y", "z"].map(|i| input(format!("shift {i}")));
         let (d, n) = (Vector(direction.map(|e| graph.expr(e))), graph.expr(normal_force));
         let shift_vector = Vector(shift.map(|e| graph.expr(e)));
-        let s = slip + shift_vector - normal * normal.dot(shift_vector);
+        // rounding along the normal is not small beside a slip that begins
+        let s = slip + shift_vector;
+        let s = s - normal * normal.dot(s);
         let mut by_slip = number(0.0);
         if let Some(mu) = coefficient {
             // beyond the end of a slide the force goes on smoothly: it has the sign of the way it slid

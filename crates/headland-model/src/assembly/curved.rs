@@ -29,18 +29,23 @@ impl<'g> Builder<'_, 'g> {
         ground: usize,
         binding: &Binding,
     ) -> Made<Option<Shape<Expr<'g>>>> {
-        let shape = match self.shape_of(ground)? {
-            Shape::Plane => self.inline_shape(element, binding)?,
-            shape => shape,
-        };
-        if matches!(shape, Shape::Plane) {
-            return Ok(None);
+        match self.ground_shape(element, ground, binding)? {
+            Shape::Plane => Ok(None),
+            shape => Ok(Some(shape)),
         }
-        if ["axis", "semi_axes", "tube"].iter().any(|k| element.get(k).is_some()) {
-            let message = "on a curved surface only a ball rolls: `radius` without `axis`, `tube` or `semi_axes`";
-            return Err(self.low.report(element.place.clone(), message));
+    }
+
+    /// The shape of the ground: that of its surface, or that which the element itself gives.
+    pub(super) fn ground_shape(
+        &mut self,
+        element: &SceneElement,
+        ground: usize,
+        binding: &Binding,
+    ) -> Made<Shape<Expr<'g>>> {
+        match self.shape_of(ground)? {
+            Shape::Plane => self.inline_shape(element, binding),
+            shape => Ok(shape),
         }
-        Ok(Some(shape))
     }
 
     /// The shape that an element itself gives to its ground.
@@ -54,6 +59,9 @@ impl<'g> Builder<'_, 'g> {
             Some((_, place)) => ("", place),
         };
         let radius = self.scalar_field(element, "surface_radius", binding, &Dimension::of(0, 1, 0))?;
+        if let (Some(radius), Some(value)) = (radius, element.get("surface_radius")) {
+            self.size(radius, "surface_radius", &value.place.clone(), false)?;
+        }
         match (word, radius) {
             ("sphere", Some(radius)) => Ok(Shape::Sphere { radius, side }),
             ("cylinder", Some(radius)) => Ok(Shape::Cylinder { radius, side }),
@@ -88,6 +96,9 @@ impl<'g> Builder<'_, 'g> {
             constraints.extend(held.map(|row| (row, graph.id(-touch.normal[i]))));
             self.name_sum(format!("{name}.f{axis}"), constraints, false);
         }
+        let mut along: Vec<_> = (0..3).map(|i| (first + i, graph.id(-touch.normal[i]))).collect();
+        along.extend(held.map(|row| (row, graph.id(number(-1.0)))));
+        self.name_sum(format!("{name}.normal"), along, false);
     }
 }
 
@@ -110,8 +121,7 @@ impl<'g> Touch<'g> {
         let (n, n_rate) = (ground.normal(c), ground.normal_rate(c, c_rate));
         let gap = [ground.distance(c) - ball, n.dot(c_rate), n_rate.dot(c_rate) + n.dot(c_second)];
         let (p, p_rate) = (n * -ball, n_rate * -ball);
-        let turning = relative.turning();
-        let (w, w_rate) = (turning.apply(relative.spin()), turning.apply(relative.spin_rate()));
+        let [w, w_rate] = relative.turns();
         let slip = c_rate + w.cross(p);
         let slip_rate = c_second + w_rate.cross(p) + w.cross(p_rate);
         Self { normal: n, gap, slip: [slip, slip_rate], spin: w }

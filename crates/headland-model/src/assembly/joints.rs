@@ -46,6 +46,11 @@ impl JointKind {
         ("free", Self::Free),
     ];
 
+    /// Its name.
+    pub(crate) fn word(self) -> &'static str {
+        Self::ALL.iter().find(|(_, k)| *k == self).map_or("", |(n, _)| *n)
+    }
+
     /// Coordinates beside the orientation: the part of the name behind the dot (empty: the joint's own name), its kind.
     pub(crate) fn coordinates(self) -> &'static [(&'static str, Freedom)] {
         match self {

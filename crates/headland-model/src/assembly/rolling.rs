@@ -20,6 +20,7 @@ use crate::build::{Builder, Made, bound_name};
 use crate::dimension::Dimension;
 use crate::lower::Reported;
 use crate::model::{KinematicRow, RowForm};
+use crate::scene::Data;
 use crate::scene::Element as SceneElement;
 use crate::symbols::Binding;
 
@@ -40,6 +41,15 @@ impl<S: Scalar> Form<S> {
             Form::Ball(radius) => Form::Ball(f(*radius)),
             Form::Disc { axis, radius, tube } => Form::Disc { axis: axis.map(&f), radius: f(*radius), tube: f(*tube) },
             Form::Ellipsoid(squares) => Form::Ellipsoid(squares.map(f)),
+        }
+    }
+
+    /// The radius of a ball or disc.
+    pub(super) fn reach(&self) -> Option<S> {
+        match self {
+            Form::Ball(radius) => Some(*radius),
+            Form::Disc { radius, tube, .. } => Some(*radius + *tube),
+            Form::Ellipsoid(_) => None,
         }
     }
 
@@ -113,11 +123,12 @@ impl<'g> Builder<'_, 'g> {
                 let message = format!("`{full}` rolls on the body that it belongs to");
                 return Err(self.low.report(element.place.clone(), message));
             }
+            self.no_idle_ground(element, ground)?;
             let centre = self.pose_field(element, "center", "rpy", &binding)?;
             let form = self.rolling_form(element, &binding)?;
             let (Some(a), Some(b)) = (self.motion(ground), self.motion(body)) else { return Err(Reported) };
             let relative = Relative::new(&a, &b.fixed(&centre));
-            if let Some(curved) = self.curved_place(&full, element, &binding)? {
+            if let Some(curved) = self.curved_place(&full, &form, element, ground, &binding)? {
                 self.roll_by_place(&full, &relative, &form, &curved, element)?;
                 continue;
             }
@@ -165,6 +176,28 @@ impl<'g> Builder<'_, 'g> {
         self.name_contact_forces(name, heading.is_some(), forces);
     }
 
+    /// A key that says nothing to the kind of ground was meant to.
+    fn no_idle_ground(&mut self, element: &SceneElement, ground: usize) -> Made<()> {
+        let frame = &self.assembly.frames[ground];
+        if frame.is_surface {
+            let why = format!("the ground is the surface `{}`, which has its own shape", frame.name);
+            return self.without(element, &["surface", "surface_radius", "outside", "height"], &why);
+        }
+        let word = match element.get("surface").map(|v| &v.data) {
+            Some(Data::Text(word)) => word.as_str(),
+            _ => "plane",
+        };
+        if word != "height" {
+            let why = "it belongs to `surface = \"height\"`";
+            self.without(element, &["height"], why)?;
+        }
+        if matches!(word, "plane" | "height") {
+            let why = "it belongs to `surface = \"sphere\"` or `\"cylinder\"`";
+            self.without(element, &["surface_radius", "outside"], why)?;
+        }
+        Ok(())
+    }
+
     fn rolling_form(&mut self, element: &SceneElement, binding: &Binding) -> Made<Form<Expr<'g>>> {
         let length = Dimension::of(0, 1, 0);
         let place = |key: &str| element.get(key).map_or(element.place.clone(), |v| v.place.clone());
@@ -188,6 +221,14 @@ impl<'g> Builder<'_, 'g> {
         let axis = Vector::constant(self.direction(element, "axis", binding, [0.0, 1.0, 0.0])?);
         let tube = self.scalar_field(element, "tube", binding, &length)?.unwrap_or(number(0.0));
         self.size(tube, "tube", &place("tube"), true)?;
+        if let (Some(r), Some(rho)) = (self.evaluate(radius), self.evaluate(tube))
+            && rho >= r
+        {
+            let message = format!(
+                "`tube` is {rho} m and `radius` {r} m: `radius` goes to the middle of the rim's section and is the larger one"
+            );
+            return Err(self.low.report(place("tube"), message));
+        }
         Ok(Form::Disc { axis, radius, tube })
     }
 
@@ -286,7 +327,7 @@ impl<'g> Relative<'g> {
 
     /// The slip velocity and its rate at a place from the centre, by components in the ground's axes.
     pub(super) fn slip_at(&self, p: Vector<Expr<'g>>, p_rate: Vector<Expr<'g>>) -> [[Expr<'g>; 2]; 3] {
-        let (w, w_rate) = (self.turning().apply(self.spin()), self.turning().apply(self.spin_rate()));
+        let [w, w_rate] = self.turns();
         let centre = [0, 1, 2].map(|i| self.distance(i));
         let velocity = Vector(centre.map(|[_, v, _]| v)) + w.cross(p);
         let rate = Vector(centre.map(|[_, _, a]| a)) + w_rate.cross(p) + w.cross(p_rate);

@@ -73,6 +73,7 @@ pub(crate) struct Touch<'g> {
     /// The place of the body, by the normal where the coordinates are.
     touching: Vector<Expr<'g>>,
     normal: Vector<Expr<'g>>,
+    point: Vector<Expr<'g>>,
     distance: Option<Expr<'g>>,
 }
 
@@ -82,7 +83,8 @@ impl<'g> Builder<'_, 'g> {
         for element in self.scene.section_elements("rolling") {
             let Ok(name) = self.text_field(element, "name") else { continue };
             for binding in self.bindings_of(element).unwrap_or_default() {
-                for part in places(element) {
+                let Ok(ground) = self.frame_field(element, "on", &binding, Some(0)) else { break };
+                for part in self.place_parts(element, ground) {
                     let _ = self.declare_place(element, &bound_name(&name, &binding), part);
                 }
             }
@@ -112,7 +114,9 @@ impl<'g> Builder<'_, 'g> {
     pub(super) fn curved_place(
         &mut self,
         name: &str,
+        form: &Form<Expr<'g>>,
         element: &SceneElement,
+        ground: usize,
         binding: &Binding,
     ) -> Made<Option<Curved<'g>>> {
         let length = Dimension::of(0, 1, 0);
@@ -126,18 +130,36 @@ impl<'g> Builder<'_, 'g> {
             self.made_of_places(name, element, height)?;
             return Ok(Some(Curved::Height(height)));
         }
-        if places(element).is_empty() {
+        if self.place_parts(element, ground).is_empty() {
             return Ok(None);
         }
-        let Some(radius) = self.scalar_field(element, "surface_radius", binding, &length)? else {
-            return Err(self.low.report(element.place.clone(), "a sphere or cylinder needs `surface_radius`"));
+        let shape = self.ground_shape(element, ground, binding)?;
+        if let Shape::Sphere { radius, side: Side::Inside } = shape
+            && let (Some(hollow), Some(body)) = (self.evaluate(radius), form.reach().and_then(|r| self.evaluate(r)))
+            && body >= hollow
+        {
+            let message = format!(
+                "what rolls has a radius of {body} m and does not fit into a sphere of {hollow} m: it must be smaller"
+            );
+            return Err(self.low.report(element.place.clone(), message));
+        }
+        Ok(Some(Curved::Shape(shape)))
+    }
+
+    /// The coordinates that a place of contact has; a ball on a plane or shape has none.
+    fn place_parts(&self, element: &SceneElement, ground: usize) -> &'static [&'static str] {
+        let frame = &self.assembly.frames[ground];
+        let of_surface = frame.element.as_ref().filter(|_| frame.is_surface).and_then(|(e, _)| e.get("shape"));
+        let curved = match of_surface.map(|v| &v.data) {
+            Some(Data::Text(word)) => word != "plane",
+            _ => is(element, "sphere") || is(element, "cylinder"),
         };
-        let place = element.get("surface_radius").map_or(element.place.clone(), |v| v.place.clone());
-        self.size(radius, "surface_radius", &place, false)?;
-        let outside = matches!(element.get("outside").map(|v| &v.data), Some(Data::Flag(true)));
-        let side = if outside { Side::Outside } else { Side::Inside };
-        let sphere = is(element, "sphere");
-        Ok(Some(Curved::Shape(if sphere { Shape::Sphere { radius, side } } else { Shape::Cylinder { radius, side } })))
+        let is_ball = ["axis", "semi_axes"].iter().all(|k| element.get(k).is_none());
+        match (is(element, "height"), curved && !is_ball) {
+            (true, _) => ON_HEIGHT,
+            (_, true) => ON_SHAPE,
+            _ => &[],
+        }
     }
 
     /// A height is a function of the place of contact: what moves is the frame on which it stands.
@@ -145,7 +167,8 @@ impl<'g> Builder<'_, 'g> {
         let graph = self.low.graph;
         let own: Vec<usize> =
             self.places_of(name, ON_HEIGHT)?.iter().map(|&i| self.input_of(self.low.coordinates[i].q)).collect();
-        let rest = graph.substitute(&[graph.id(height)], |i| own.contains(&i).then_some(number(0.0)))[0];
+        // not zero, which would take factors with it
+        let rest = graph.substitute(&[graph.id(height)], |i| own.contains(&i).then_some(number(0.731)))[0];
         let Some(input) = self.depends(rest, Kinds::PARAMETER.not()) else { return Ok(()) };
         let place = element.get("height").map_or(element.place.clone(), |v| v.place.clone());
         let message = format!(
@@ -155,7 +178,8 @@ impl<'g> Builder<'_, 'g> {
         Err(self.low.report(place, message))
     }
 
-    fn input_of(&self, input: NodeId) -> usize {
+    /// The slot of an input.
+    pub(super) fn input_of(&self, input: NodeId) -> usize {
         self.low.graph.node(input).args[0] as usize
     }
 
@@ -261,6 +285,7 @@ impl<'g> Builder<'_, 'g> {
             centre: Vector([0, 1, 2].map(|i| relative.distance(i)[0])),
             touching: Vector([0, 1, 2].map(|i| relative.distance(i)[0] + p[i].value.value)),
             normal: n,
+            point: Vector(patch.point.map(|row| row[0])),
             distance: patch.distance.map(|row| row[0]),
         });
         Ok(())
@@ -366,41 +391,52 @@ impl<'g> Builder<'_, 'g> {
         inputs
     }
 
-    /// By turns the place of the body for the normal, and the point of the ground below it.
+    /// The point of the ground goes along it to below the place of the body for its normal, by shorter steps where that goes
+    /// too far: a body that is flatter than the ground moves its place by more than the point.
     fn nearest(&self, touch: &Touch<'g>, inputs: &mut [f64], beside: &[f64; 3]) -> Option<Vec<f64>> {
         let graph = self.low.graph;
-        let slots: Vec<usize> = touch.places.iter().map(|&i| self.input_of(self.low.coordinates[i].q)).collect();
         let ids = |v: Vector<Expr<'g>>| v.0.map(|e| graph.id(e));
-        let distance = touch.distance.map(|d| graph.id(d));
         let centre = graph.eval(&ids(touch.centre), inputs);
-        let mut place = [0, 1, 2].map(|k| centre[k] + beside[k]);
-        let set = |inputs: &mut [f64], place: &[f64; 3]| slots.iter().zip(place).for_each(|(&s, x)| inputs[s] = *x);
-        for _ in 0..60 {
-            set(inputs, &place);
-            if let Some(distance) = distance {
-                let d = graph.eval(&[distance], inputs)[0];
-                let n = graph.eval(&ids(touch.normal), inputs);
-                place = [0, 1, 2].map(|k| place[k] - d * n[k]);
-                set(inputs, &place);
+        let (mut place, mut toward) = self.miss(touch, inputs, [0, 1, 2].map(|k| centre[k] + beside[k]))?;
+        let mut step = 1.0;
+        for _ in 0..500 {
+            let trial = [0, 1, 2].map(|k| place[k] + step * toward[k]);
+            match self.miss(touch, inputs, trial) {
+                Some((next, miss)) if miss.norm() < toward.norm() => (place, toward) = (next, miss),
+                _ if step < 1e-3 => break,
+                _ => step *= 0.5,
             }
-            let found = graph.eval(&ids(touch.touching), inputs);
-            if !found.iter().chain(&place).all(|x| x.is_finite()) {
-                return None;
-            }
-            place = [found[0], found[1], found[2]];
         }
-        set(inputs, &place);
-        Some(place[..slots.len()].to_vec())
+        let (place, _) = self.miss(touch, inputs, place)?;
+        Some(place[..touch.places.len()].to_vec())
     }
-}
 
-/// The coordinates that a place of contact has, of a ball on a plane or shape none.
-fn places(element: &SceneElement) -> &'static [&'static str] {
-    let is_ball = ["axis", "semi_axes"].iter().all(|k| element.get(k).is_none());
-    match (is(element, "height"), is(element, "sphere") || is(element, "cylinder")) {
-        (true, _) => ON_HEIGHT,
-        (_, true) if !is_ball => ON_SHAPE,
-        _ => &[],
+    /// The point of the ground at a place, and from there to the place of the body that its normal belongs to, along the
+    /// ground.
+    fn miss(&self, touch: &Touch<'g>, inputs: &mut [f64], mut place: [f64; 3]) -> Option<([f64; 3], Vector<f64>)> {
+        let graph = self.low.graph;
+        let ids = |v: Vector<Expr<'g>>| v.0.map(|e| graph.id(e));
+        let set = |inputs: &mut [f64], place: &[f64; 3]| {
+            for (&i, x) in touch.places.iter().zip(place) {
+                inputs[self.input_of(self.low.coordinates[i].q)] = *x;
+            }
+        };
+        set(inputs, &place);
+        if let Some(distance) = touch.distance {
+            let d = graph.eval(&[graph.id(distance)], inputs)[0];
+            let n = graph.eval(&ids(touch.normal), inputs);
+            place = [0, 1, 2].map(|k| place[k] - d * n[k]);
+            set(inputs, &place);
+        }
+        let vector = |v: Vector<Expr<'g>>| {
+            let x = graph.eval(&ids(v), inputs);
+            Vector([x[0], x[1], x[2]])
+        };
+        let (n, at) = (vector(touch.normal), vector(touch.point));
+        let miss = vector(touch.touching) - at;
+        let miss = miss - n * n.dot(miss);
+        let is_finite = at.0.iter().chain(&miss.0).all(|x| x.is_finite());
+        is_finite.then_some((at.0, miss))
     }
 }
 
