@@ -8,6 +8,7 @@ mod closures;
 mod compliant;
 mod contact;
 mod curved;
+mod facets;
 mod fields;
 mod forces;
 mod gears;

@@ -5,7 +5,6 @@
 
 use headland_expr::{Expr, NodeId, Scalar};
 use headland_spatial::Vector;
-use headland_surface::Shape;
 
 use super::closures::Relative;
 use super::curved::Touch;
@@ -35,15 +34,21 @@ impl<'g> Builder<'_, 'g> {
             let place = element.get("radius").map_or(&element.place, |v| &v.place).clone();
             let ball = self.size(ball, "radius", &place, true)?;
             let shape = self.shape_of(ground)?;
+            match element.get("stiffness") {
+                Some(_) => self.tell_facets(&full, &shape, element),
+                None => self.must_be_smooth(&shape, "hard contact", element)?,
+            }
             self.check_fit(ball, &shape, element)?;
             let (Some(a), Some(b)) = (self.motion(ground), self.motion(body)) else { return Err(Reported) };
-            let touch = Touch::new(&Relative::new(&a, &b.fixed(&centre)), ball, &shape);
+            let relative = Relative::new(&a, &b.fixed(&centre));
+            let touch = Touch::new(&relative, ball, &shape);
+            self.watch_room(&full, &relative, ball, &shape, true);
             if element.get("stiffness").is_some() {
                 self.compliant_contact(&full, &touch, ball, element, &binding)?;
                 continue;
             }
             self.without(element, &super::compliant::KEYS, "without `stiffness` the contact is hard")?;
-            self.hard_contact(&full, &touch, matches!(shape, Shape::Plane), element, &binding)?;
+            self.hard_contact(&full, &touch, shape.is_plane(), element, &binding)?;
         }
         Ok(())
     }

@@ -133,6 +133,8 @@ impl<'g> Builder<'_, 'g> {
                 continue;
             }
             if let (Some(curved), Form::Ball(radius)) = (self.curved_ground(element, ground, &binding)?, &form) {
+                self.must_be_smooth(&curved, "rolling without slipping", element)?;
+                self.check_fit(*radius, &curved, element)?;
                 self.roll_on(&full, &relative, *radius, &curved, element);
                 continue;
             }
