@@ -478,7 +478,7 @@ impl<'m> TimeLoop<'m> {
                 let limit = self.model.guards[i].stop_below.unwrap_or_default();
                 self.stop_by_guard(t, i, limit, limit);
             }
-            Watch::Guard(_) | Watch::Contact(..) | Watch::Switch(_) => {}
+            Watch::Guard(_) | Watch::Contact(..) | Watch::Switch(_) | Watch::Nearest => {}
             Watch::Warning(i) => {
                 if !rising && !self.warned[i] {
                     self.warn_of_guard(t, i, self.model.guards[i].warn_below.unwrap_or_default(), observer);
