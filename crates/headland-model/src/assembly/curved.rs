@@ -99,6 +99,9 @@ impl<'g> Builder<'_, 'g> {
             constraints.extend(held.map(|row| (row, graph.id(-touch.normal[i]))));
             self.name_sum(format!("{name}.f{axis}"), constraints, false);
         }
+        let mut along: Vec<_> = (0..3).map(|i| (first + i, graph.id(-touch.normal[i]))).collect();
+        along.extend(held.map(|row| (row, graph.id(number(-1.0)))));
+        self.name_sum(format!("{name}.normal"), along, false);
     }
 }
 
@@ -155,6 +158,8 @@ pub(super) struct Touch<'g> {
     pub(super) gap: [Expr<'g>; 3],
     /// Velocity of the ball's point nearest to the surface, and its rate.
     pub(super) slip: [Vector<Expr<'g>>; 2],
+    /// Angular velocity of the ball.
+    pub(super) spin: Vector<Expr<'g>>,
 }
 
 impl<'g> Touch<'g> {
@@ -164,11 +169,10 @@ impl<'g> Touch<'g> {
         let (n, n_rate) = (ground.normal(c), ground.normal_rate(c, c_rate));
         let gap = [ground.distance(c) - ball, n.dot(c_rate), n_rate.dot(c_rate) + n.dot(c_second)];
         let (p, p_rate) = (n * -ball, n_rate * -ball);
-        let turning = relative.turning();
-        let (w, w_rate) = (turning.apply(relative.spin()), turning.apply(relative.spin_rate()));
+        let [w, w_rate] = relative.turns();
         let slip = c_rate + w.cross(p);
         let slip_rate = c_second + w_rate.cross(p) + w.cross(p_rate);
-        Self { normal: n, gap, slip: [slip, slip_rate] }
+        Self { normal: n, gap, slip: [slip, slip_rate], spin: w }
     }
 
     /// A component of the slip velocity and its rate.
