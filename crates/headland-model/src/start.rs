@@ -20,6 +20,10 @@ impl<'g> Builder<'_, 'g> {
             return; // its own message says enough
         }
         self.no_zero_quaternions();
+        let zero = self.low.graph.id(headland_expr::Expr::Const(0.0));
+        for c in self.low.coordinates.iter_mut().filter(|c| c.first_order && c.guess.is_some()) {
+            c.initial.get_or_insert(zero); // nothing else says where it is: it is not searched for
+        }
         let missing: Vec<String> = self
             .low
             .coordinates

@@ -121,7 +121,7 @@ impl<'g> Builder<'_, 'g> {
     }
 
     /// A name for outputs, guards and events, and for expressions of the same element.
-    fn publish(&mut self, name: String, expr: Expr<'g>, dimension: Dimension) {
+    pub(super) fn publish(&mut self, name: String, expr: Expr<'g>, dimension: Dimension) {
         self.low.totals.insert(name, Typed { expr, ..Typed::number(0.0, dimension) });
     }
 
