@@ -1,5 +1,6 @@
 //! The table of reference problems.
 
+mod balls;
 mod bicycle;
 mod loops;
 mod nonholonomic;
@@ -8,6 +9,7 @@ mod pendulums;
 mod rolling;
 mod tops;
 mod trains;
+mod whirl;
 
 use crate::case::Case;
 use crate::linear::LinearCase;
@@ -18,6 +20,7 @@ pub fn cases() -> impl Iterator<Item = &'static Case> {
         trains::CASES,
         nonholonomic::CASES,
         rolling::CASES,
+        balls::CASES,
         pendulums::CASES,
         tops::CASES,
         loops::CASES,
@@ -30,7 +33,7 @@ pub fn cases() -> impl Iterator<Item = &'static Case> {
 
 /// All problems of linearisation.
 pub fn linear_cases() -> impl Iterator<Item = &'static LinearCase> {
-    bicycle::CASES.iter()
+    bicycle::CASES.iter().chain(whirl::CASES)
 }
 
 /// A scene of `models/`, compiled in.

@@ -21,6 +21,7 @@ mod case;
 pub mod cases;
 mod closed;
 mod linear;
+mod reduced;
 mod reference;
 mod report;
 

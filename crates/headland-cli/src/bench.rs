@@ -48,12 +48,15 @@ pub(crate) struct BenchArgs {
     json: bool,
 }
 
+/// The error of a run; `None` where it has no value at a reference's time.
+type Judge = Box<dyn Fn(&Run) -> Option<f64>>;
+
 /// What is run, and how it is judged.
 struct Subject {
     name: String,
     model: Model,
     options: RunOptions,
-    judge: Box<dyn Fn(&Run) -> Option<f64>>,
+    judge: Judge,
     judged_by: String,
 }
 

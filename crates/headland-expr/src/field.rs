@@ -1,5 +1,7 @@
 //! [`Field`]: a function of a point that is computed outside of the graph, with its derivatives.
 
+use crate::interval::Interval;
+
 /// A function of three variables that is known by numbers only: the distance from a surface, the height of measured ground.
 ///
 /// An evaluation answers with the value and all partial derivatives up to an order, so that whatever costs, a search for a
@@ -24,6 +26,11 @@ pub trait Field: std::fmt::Debug + Send + Sync {
     /// Writes value and derivatives up to `order` (at most 3) to `out`, which has [`FIELD_PARTS`]`[order]` places. Where the
     /// field has no value it writes NaN.
     fn eval(&self, point: [f64; 3], order: usize, out: &mut [f64]);
+
+    /// Bounds of a part over a box; the whole line, where nothing is known.
+    fn range(&self, _boxed: [Interval; 3], _part: usize) -> Interval {
+        Interval::WHOLE
+    }
 
     /// How many of x, y, z it depends on: 2 for a height over the plane. The others are left out of expressions and of
     /// what is printed.

@@ -346,6 +346,10 @@ impl Graph {
     pub(crate) fn arena(&self) -> &RefCell<Arena> {
         &self.arena
     }
+
+    pub(crate) fn into_arena(self) -> Arena {
+        self.arena.into_inner()
+    }
 }
 
 impl Arena {

@@ -296,8 +296,8 @@ impl Scalar for Interval {
         range.unwrap_or(Self::WHOLE)
     }
     /// The whole line: a field says nothing about what lies between two points.
-    fn field(_: [Self; 3], _: &Arc<dyn Field>, _: usize) -> Self {
-        Self::WHOLE
+    fn field(point: [Self; 3], field: &Arc<dyn Field>, part: usize) -> Self {
+        field.range(point, part)
     }
 }
 

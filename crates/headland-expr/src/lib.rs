@@ -18,14 +18,15 @@
 //!
 //! In order: [`scalar`] is the trait, [`ops`] the one table of operators, [`graph`] the hash-consed arena, [`expr`] its
 //! handles with their simplifications, [`derivative`] forward and reverse, [`dual`] derivatives without symbols,
-//! [`spline`] table interpolation, [`field`] functions of a point that are known by numbers, [`interval`] ranges,
-//! [`timeline`](mod@timeline) where functions of time bend, [`parse`] from text, [`print`](mod@print) back to text, LaTeX
+//! [`spline`] table interpolation, [`field`] functions of a point that are known by numbers, [`frozen`] expressions
+//! for other threads and scalars, [`interval`] ranges, [`timeline`](mod@timeline) where functions of time bend, [`parse`] from text, [`print`](mod@print) back to text, LaTeX
 //! and C.
 
 pub mod derivative;
 pub mod dual;
 pub mod expr;
 pub mod field;
+pub mod frozen;
 pub mod graph;
 pub mod interval;
 pub mod ops;
@@ -38,6 +39,7 @@ pub mod timeline;
 pub use dual::Dual;
 pub use expr::Expr;
 pub use field::{FIELD_BEYOND, FIELD_PARTS, Field, Wave, field_part};
+pub use frozen::Frozen;
 pub use graph::{Graph, NodeId};
 pub use interval::Interval;
 pub use ops::Op;

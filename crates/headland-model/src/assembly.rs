@@ -5,8 +5,10 @@
 //! are known ([`Builder::build_assembly`]).
 
 mod closures;
+mod compliant;
 mod contact;
 mod curved;
+mod facets;
 mod fields;
 mod forces;
 mod gears;
@@ -35,6 +37,7 @@ use crate::symbols::{Binding, Members, Symbol};
 
 use joints::JointKind;
 pub(crate) use motion::Motion;
+use quantities::is_round;
 pub(crate) use quantities::{QUANTITIES, quantity};
 
 /// What a frame is fixed to.
@@ -69,6 +72,8 @@ struct JointEntry<'s> {
     /// True where the scene says that it closes a loop.
     cut: bool,
     by_angles: bool,
+    /// The angular velocity is a quasi-velocity by components along the world's axes.
+    in_world: bool,
 }
 
 /// Bodies, frames and joints of a scene.
@@ -287,6 +292,10 @@ impl<'s, 'g> Builder<'s, 'g> {
         let Some((element, binding)) = self.assembly.frames[frame].element.clone() else { return Ok(()) };
         let Some(motion) = self.assembly.frames[frame].motion else { return Ok(()) };
         let (mass, centre, tensor) = self.inertia_fields(element, &binding)?;
+        let is_free = |j: &JointEntry<'_>| j.element.is_none() && j.to == frame;
+        if !self.assembly.joints.iter().any(is_free) {
+            self.without(element, &["angular_velocity"], "the body is not free: its joint has the velocities")?;
+        }
         self.link_inertia(frame, mass, centre, tensor);
         let c = motion.fixed(&Pose::at(centre));
         let graph = self.low.graph;
@@ -297,6 +306,10 @@ impl<'s, 'g> Builder<'s, 'g> {
         };
         let potential = -(self.world_gravity().dot(c.position) * mass);
         let weight = gravity * mass;
+        let (spin, spin_rate) = match c.level_spin {
+            Some(level) if is_round(&tensor) => level,
+            _ => (c.spin, c.spin_rate),
+        };
         let Symmetric(entries) = tensor;
         self.assembly.total.add(mass, &c, tensor);
         self.parts.bodies.push(Body {
@@ -304,7 +317,7 @@ impl<'s, 'g> Builder<'s, 'g> {
             mass: graph.id(mass),
             velocity: VectorStructure { rate: ids(velocity), acceleration: Some(ids(acceleration)) },
             tensor: entries.map(|e| graph.id(e)),
-            spin: VectorStructure { rate: ids(c.spin), acceleration: Some(ids(c.spin_rate)) },
+            spin: VectorStructure { rate: ids(spin), acceleration: Some(ids(spin_rate)) },
             weight: ids(weight),
             potential: graph.id(potential),
             place: element.place.clone(),

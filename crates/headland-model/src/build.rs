@@ -9,7 +9,7 @@ use crate::depend::Kinds;
 use crate::lower::{Lowering, Reported, Typed};
 use crate::model::{
     Body, Coordinate, DerivedQuantity, Element, ElementKind, Event, Guard, Hazard, KinematicRow, LinearSolver, Load,
-    Model, Parameter, Plot, Quantity, QuasiVelocity, RunSettings,
+    Model, Parameter, Plot, Quantity, QuasiVelocity, RunSettings, Switch,
 };
 use crate::place::{Diagnostic, ModelError, Place};
 use crate::scene::{Data, Scene, Value};
@@ -61,6 +61,7 @@ pub(crate) struct Parts {
     pub(crate) loads: Vec<Load>,
     pub(crate) derived: Vec<DerivedQuantity>,
     pub(crate) contacts: Vec<Contact>,
+    pub(crate) switches: Vec<Switch>,
     pub(crate) tree: Option<JointTree>,
     pub(crate) definitions: Vec<Quantity>,
     pub(crate) outputs: Vec<Quantity>,
@@ -95,6 +96,7 @@ impl Parts {
             loads: self.loads,
             derived: self.derived,
             contacts: self.contacts,
+            switches: self.switches,
             tree: self.tree,
             definitions: self.definitions,
             outputs: self.outputs,

@@ -5,7 +5,8 @@ use crate::lower::{Lowering, Reported, Typed};
 use crate::place::Place;
 use crate::symbols::{Formula, Symbol};
 use headland_expr::parse::suggestion;
-use headland_expr::{Expr, Op, Scalar};
+use headland_expr::{Expr, Field, Op, Scalar};
+use std::sync::Arc;
 
 /// Functions of the scene format that are not operators: name, least and most arguments.
 const FUNCTIONS: &[(&str, usize, usize)] = &[
@@ -37,7 +38,8 @@ impl<'g> Lowering<'g> {
             return Ok(Typed { expr: args[0].0.expr.spline(&spline, 0), dimension: y, angle: false, condition: false });
         }
         if let Some(Symbol::Field(field, dimensions)) = self.symbols.by_name.get(function) {
-            let (field, [x, y, z]) = (field.clone(), dimensions.clone());
+            let field: Arc<dyn Field> = field.clone();
+            let [x, y, z] = dimensions.clone();
             let [(at_x, _), (at_y, _)] = &args[..] else {
                 return Err(self.report(place, format!("the table `{function}` takes 2 arguments, found {n}")));
             };

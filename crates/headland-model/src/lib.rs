@@ -66,7 +66,7 @@ pub use contact::{Contact, Friction, Mode};
 pub use model::{
     Body, Coordinate, Derived, DerivedQuantity, Direction, Element, ElementKind, Event, Guard, Hazard, KinematicRow,
     LinearSolver, Load, Model, Parameter, Plot, Quantity, QuasiVelocity, Reaction, RowForm, RunSettings, StructureForm,
-    VectorNodes, VectorStructure,
+    Switch, VectorNodes, VectorStructure,
 };
 pub use place::{Diagnostic, ModelError, Place, Source};
 pub use scene::{Adding, Data, Entry, Scene, Value};

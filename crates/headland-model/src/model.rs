@@ -311,6 +311,15 @@ pub struct Event {
     pub stop: bool,
 }
 
+/// A place on the way where forces have a corner, located while running without a word.
+#[derive(Clone, Debug)]
+pub struct Switch {
+    /// It is where this changes sign.
+    pub quantity: NodeId,
+    /// Whether the method begins anew there.
+    pub restarts: bool,
+}
+
 /// A plot of columns.
 #[derive(Clone, Debug)]
 pub struct Plot {
@@ -388,6 +397,8 @@ pub struct Model {
     pub derived: Vec<DerivedQuantity>,
     /// Hard contacts, which may roll, slide and leave.
     pub contacts: Vec<Contact>,
+    /// Where forces of compliant contacts have corners.
+    pub switches: Vec<Switch>,
     /// The joints as a tree, where the bodies on it are all that has inertia.
     pub tree: Option<JointTree>,
     /// Definitions that something uses, in order of use.

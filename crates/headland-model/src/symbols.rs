@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use headland_expr::parse::{Item, Program, parse};
-use headland_expr::{Field, NodeId, Op, Spline};
+use headland_expr::{NodeId, Op, Spline};
+use headland_surface::Grid;
 use indexmap::IndexMap;
 use rustc_hash::FxHashMap;
 
@@ -56,7 +57,7 @@ pub enum Symbol {
     /// A function by points, with the dimensions of abscissa and ordinate.
     Table(Arc<Spline>, Dimension, Dimension),
     /// A function of two variables by points, with the dimensions of x, y and z.
-    Field(Arc<dyn Field>, [Dimension; 3]),
+    Field(Arc<Grid>, [Dimension; 3]),
 }
 
 /// Where the members of a family stand in a list; the key 0 is a single thing without members.

@@ -3,7 +3,6 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use headland_expr::Field;
 use headland_expr::parse::suggestion;
 use headland_surface::grid::{Grid, Layout, read_csv};
 
@@ -64,7 +63,7 @@ impl Builder<'_, '_> {
             let unit = parse_unit(text).map_err(|message| self.low.report(field.value.place.clone(), message))?;
             (factors[i], dimensions[i]) = (unit.to_si(1.0), unit.dimension);
         }
-        let field: Arc<dyn Field> = Arc::new(grid.scaled(factors));
+        let field = Arc::new(grid.scaled(factors));
         self.low.symbols.by_name.insert(entry.key.as_str().into(), Symbol::Field(field, dimensions));
         Ok(())
     }

@@ -147,24 +147,9 @@ pub(crate) fn impact(
     slips: bool,
     restitution: Option<f64>,
 ) -> Option<Impact> {
-    let (nq, nu) = (system.nq, system.nu);
-    let mut evaluator = system.contact_function().evaluator();
-    let out = evaluator.eval(problem.full_inputs(t, y)).to_vec();
-    let contact = ContactState::read(&out[NODES * k..]);
-    let mut mass = out[NODES * system.modes.len()..].to_vec();
-    solve_ldl(&mut mass, &mut vec![0.0; nu]);
-    // the slip is affine in u
-    let mut at_rest = y.to_vec();
-    at_rest[nq..].fill(0.0);
-    let mut slip_at = |y: &[f64]| ContactState::read(&evaluator.eval(problem.full_inputs(t, y))[NODES * k..]).slip;
-    let drift = slip_at(&at_rest);
-    let mut columns = vec![[0.0; 3]; nu]; // ∂slip/∂u_j
-    for j in 0..nu {
-        at_rest[nq + j] = 1.0;
-        let slip = slip_at(&at_rest);
-        columns[j] = [0, 1, 2].map(|i| slip[i] - drift[i]);
-        at_rest[nq + j] = 0.0;
-    }
+    let contact = look(system, problem, t, y)[k].clone();
+    let (mass, mut columns) = answers(system, problem, t, y);
+    let columns = columns.swap_remove(k);
     let answer = |p: [f64; 3]| -> Vec<f64> {
         let mut change: Vec<f64> = columns.iter().map(|c| dot(*c, p)).collect();
         solve_factored(&mass, &mut change);
@@ -211,8 +196,32 @@ pub(crate) fn impact(
     Some(Impact { change: answer(along(low)?), rebound, sticks: false })
 }
 
+/// Factors of the mass matrix, and for each contact the columns `∂slip/∂u_j`; the slip is affine in u.
+pub(crate) fn answers(system: &System, problem: &mut Problem, t: f64, y: &[f64]) -> (Vec<f64>, Vec<Vec<[f64; 3]>>) {
+    let (nq, nu, count) = (system.nq, system.nu, system.modes.len());
+    let mut evaluator = system.contact_function().evaluator();
+    let mut mass = evaluator.eval(problem.full_inputs(t, y))[NODES * count..].to_vec();
+    solve_ldl(&mut mass, &mut vec![0.0; nu]);
+    let mut at_rest = y.to_vec();
+    at_rest[nq..].fill(0.0);
+    let mut slips_at = |y: &[f64]| -> Vec<[f64; 3]> {
+        let out = evaluator.eval(problem.full_inputs(t, y));
+        (0..count).map(|k| ContactState::read(&out[NODES * k..]).slip).collect()
+    };
+    let drift = slips_at(&at_rest);
+    let mut columns = vec![vec![[0.0; 3]; nu]; count];
+    for j in 0..nu {
+        at_rest[nq + j] = 1.0;
+        for (k, slip) in slips_at(&at_rest).into_iter().enumerate() {
+            columns[k][j] = [0, 1, 2].map(|i| slip[i] - drift[k][i]);
+        }
+        at_rest[nq + j] = 0.0;
+    }
+    (mass, columns)
+}
+
 /// `A x`, A given by its columns (it is symmetric).
-fn multiply(a: [[f64; 3]; 3], x: [f64; 3]) -> [f64; 3] {
+pub(crate) fn multiply(a: [[f64; 3]; 3], x: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|i| (0..3).map(|j| a[j][i] * x[j]).sum())
 }
 

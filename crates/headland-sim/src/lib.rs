@@ -40,6 +40,7 @@ mod schedule;
 pub mod stepper;
 pub mod system;
 mod time_loop;
+mod together;
 mod work;
 
 pub use functions::{StateEvaluator, StateFunction, StateFunctions, initial_state};

@@ -23,19 +23,19 @@ use crate::time_loop::TimeLoop;
 use crate::work::Work;
 
 /// A gap that counts as closed at the start, m.
-const CLOSED: f64 = 1e-9;
+pub(crate) const CLOSED: f64 = 1e-9;
 
 /// A speed that counts as none at the start, m/s.
 const AT_REST: f64 = 1e-9;
 
 /// Height of a bounce that rounding of positions does not let see any more, m.
-const LOWEST_BOUNCE: f64 = 1e-11;
+pub(crate) const LOWEST_BOUNCE: f64 = 1e-11;
 
 /// Part of its largest value so far by which a limit may be overstepped.
 const OVERLOOKED: f64 = 1e-9;
 
 /// Impacts of a contact that are told one by one.
-const TOLD: u32 = 5;
+pub(crate) const TOLD: u32 = 5;
 
 /// Equations of one set of modes and one choice of independent rates, compiled.
 #[derive(Clone)]
@@ -47,13 +47,13 @@ pub(crate) struct Form<'m> {
 
 /// What is kept of the contacts while running.
 pub(crate) struct Contacts<'m> {
-    scene: &'m Model,
+    pub(crate) scene: &'m Model,
     arena: &'m Arena<Model>,
     models: Vec<(Vec<Mode>, &'m Model)>,
     /// Direction and shift of each contact that slides.
     slides: Vec<[f64; SLIDE]>,
     /// Impacts of each contact since it was last at rest on its surface.
-    impacts: Vec<u32>,
+    pub(crate) impacts: Vec<u32>,
     /// Largest normal force of each contact, and what was left of its friction, squared.
     largest: Vec<[f64; 2]>,
     /// Relative size of the shift.
@@ -166,7 +166,7 @@ impl<'m> TimeLoop<'m> {
     }
 
     /// Sliding or rolling, of a contact that touches.
-    fn touching(&mut self, k: usize, state: &ContactState, at_rest: f64) -> Mode {
+    pub(crate) fn touching(&mut self, k: usize, state: &ContactState, at_rest: f64) -> Mode {
         let slip = state.across(state.slip);
         let Some(friction) = &self.contacts.scene.contacts[k].friction else { return Mode::Rolling };
         if length(slip) <= at_rest && !friction.viscous && state.limit > 0.0 {
@@ -252,6 +252,10 @@ impl<'m> TimeLoop<'m> {
             let inputs = self.work.model_inputs(self.model, t, &self.y);
             return self.settle(t, system.modes.clone(), inputs, observer);
         }
+        let together = self.touching_together(t, k);
+        if together.len() > 1 {
+            return self.hit_together(t, k, &together, observer);
+        }
         let stuck = |time_loop: &mut Self| {
             let message = format!(
                 "the impact of `{}` at t = {t} s has no solution: friction presses the bodies together whatever the impulse \
@@ -312,11 +316,11 @@ impl<'m> TimeLoop<'m> {
     }
 
     /// Goes over to the given modes, corrected until all forces and accelerations agree with them.
-    fn settle(
+    pub(crate) fn settle(
         &mut self,
         t: f64,
         mut modes: Vec<Mode>,
-        inputs: Vec<f64>,
+        mut inputs: Vec<f64>,
         observer: &mut dyn Observer,
     ) -> Result<(), SolveError> {
         let before = self.work.system.modes.clone();
@@ -334,6 +338,10 @@ impl<'m> TimeLoop<'m> {
             let correction =
                 states.iter().enumerate().find_map(|(k, s)| Some((k, self.correct(k, modes[k], s, fastest)?)));
             if let Some((k, mode)) = correction {
+                if modes[k] == Mode::Rolling {
+                    // from no slip at all: what was left of an earlier slide would turn the new one
+                    inputs = work.model_inputs(form.model, t, &y);
+                }
                 modes[k] = mode;
                 continue;
             }
@@ -409,7 +417,7 @@ impl<'m> TimeLoop<'m> {
     }
 
     /// Equations for the modes, with independent rates that suit the state; fetched where they are known.
-    fn form(&mut self, modes: &[Mode], inputs: &[f64], t: f64) -> Option<Form<'m>> {
+    pub(crate) fn form(&mut self, modes: &[Mode], inputs: &[f64], t: f64) -> Option<Form<'m>> {
         if let Some(form) = self.known.iter().find(|f| f.system.modes == modes) {
             return Some(form.clone());
         }

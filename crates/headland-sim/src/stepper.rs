@@ -113,6 +113,15 @@ impl Stepper {
         }
     }
 
+    /// Events at the time reached that are not told yet.
+    pub fn events_waiting(&self) -> usize {
+        match self {
+            Self::Ode(integrator) => integrator.events_waiting(),
+            #[cfg(feature = "ida")]
+            Self::Dae(dae) => dae.ida.events_waiting(),
+        }
+    }
+
     /// What was counted.
     pub fn stats(&self) -> &Stats {
         match self {

@@ -26,6 +26,8 @@ pub enum Watch {
     Guard(usize),
     /// A guard's warning, by its position.
     Warning(usize),
+    /// A corner of forces, by its position among the model's switches.
+    Switch(usize),
     /// What may end the mode of a contact, by its position; only where it falls below zero.
     Contact(usize, Limit),
 }
@@ -180,6 +182,10 @@ impl System {
         }
         let sliding = model.contacts.iter().filter(|c| c.mode == Mode::Sliding).flat_map(|c| c.slip).collect();
         let slides = [by_state(sliding), copy.nodes(&equations.friction_pivots)].concat();
+        for (i, node) in by_state(model.switches.iter().map(|s| s.quantity).collect()).into_iter().enumerate() {
+            watches.push(Watch::Switch(i));
+            events.push(node);
+        }
         let growth = Self::growth_nodes(equations, graph, copy);
         let energies = Self::energy_nodes(equations, graph, copy, drives);
 

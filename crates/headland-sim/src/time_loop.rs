@@ -48,6 +48,8 @@ pub(crate) struct TimeLoop<'m> {
     /// Equations that were derived before.
     pub(crate) known: Vec<Form<'m>>,
     pub(crate) contacts: Contacts<'m>,
+    /// The method begins anew when everything at this time is told.
+    corner: bool,
     pub(crate) ending: Ending,
 }
 
@@ -99,6 +101,7 @@ impl<'m> TimeLoop<'m> {
             passage: Passage::default(),
             passages: 0,
             known: vec![Form { model, equations: equations.clone(), system: system.clone() }],
+            corner: false,
             contacts: Contacts::new(scene, model, arena, options.tolerance),
             equations: equations.clone(),
             growth_limit: if model.run.independent.is_some() { 10.0 * GROWTH } else { GROWTH },
@@ -221,13 +224,15 @@ impl<'m> TimeLoop<'m> {
         if self.ending.status != Status::Done || t >= self.options.until {
             return Ok(());
         }
+        self.corner |= matches!(step, Step::Event { index, .. } if self.is_corner(index));
+        let corner = self.corner && self.integrator.events_waiting() == 0; // a restart would drop them
         let breakpoint = matches!(step, Step::End { .. }) && self.schedule.is_breakpoint(t);
         let stiff = self.leave_explicit(t, observer)?;
         let changed = self.repartition(t, observer)?;
         if changed {
             self.passage.forget();
         }
-        if breakpoint || stiff || changed {
+        if breakpoint || stiff || changed || corner {
             let before = self.work.kinetic(t, &self.y);
             let (a, b) = self.schedule.span(t);
             self.work.problem.set_span(a, b);
@@ -249,6 +254,7 @@ impl<'m> TimeLoop<'m> {
 
     /// Starts the method at the state `y`, and tells what it changed there.
     fn start(&mut self, t: f64, observer: &mut dyn Observer) -> Result<(), SolveError> {
+        self.corner = false;
         self.integrator.start(&mut self.work.problem, t, &self.y)?;
         self.y.clear();
         self.y.extend_from_slice(self.integrator.y());
@@ -256,6 +262,14 @@ impl<'m> TimeLoop<'m> {
             self.tell(t, &note, observer);
         }
         Ok(())
+    }
+
+    /// Whether an event function is zero where forces have a corner.
+    fn is_corner(&self, index: usize) -> bool {
+        match self.work.system.watches.get(index) {
+            Some(Watch::Switch(i)) => self.model.switches[*i].restarts,
+            _ => false,
+        }
     }
 
     /// A prescribed motion or a constraint that jumps would need an impulse, which is not computed.
@@ -462,7 +476,7 @@ impl<'m> TimeLoop<'m> {
                 let limit = self.model.guards[i].stop_below.unwrap_or_default();
                 self.stop_by_guard(t, i, limit, limit);
             }
-            Watch::Guard(_) | Watch::Contact(..) => {}
+            Watch::Guard(_) | Watch::Contact(..) | Watch::Switch(_) => {}
             Watch::Warning(i) => {
                 if !rising && !self.warned[i] {
                     self.warn_of_guard(t, i, self.model.guards[i].warn_below.unwrap_or_default(), observer);

@@ -19,7 +19,7 @@ mod csv;
 
 use std::sync::Arc;
 
-use headland_expr::{FIELD_PARTS, Field, field_part};
+use headland_expr::{FIELD_PARTS, Field, Interval, field_part};
 
 use crate::height::{Bounds, Ground};
 use bounds::Pyramid;
@@ -178,6 +178,20 @@ impl Grid {
         [0, 1].map(|i| [self.origin[i], self.origin[i] + self.spacing[i] * (points[i] - 1) as f64])
     }
 
+    /// What it goes through: the place of the first point, m, the distances of columns and rows, m, and the heights by rows.
+    pub fn points(&self) -> ([f64; 2], [f64; 2], Vec<Vec<f64>>) {
+        let along = |axis: usize, i: usize| self.origin[axis] + self.spacing[axis] * i as f64;
+        let mut height = [0.0];
+        let rows = (0..self.coefficients.rows - 4).map(|row| {
+            let columns = (0..self.coefficients.columns - 4).map(|column| {
+                self.eval([along(0, column), along(1, row), 0.0], 0, &mut height);
+                height[0]
+            });
+            columns.collect()
+        });
+        (self.origin, self.spacing, rows.collect())
+    }
+
     /// Bounds over all of the points' rectangle: how high it is, how sharp it bends.
     pub fn overall(&self) -> Bounds {
         let [x, y] = self.extent();
@@ -271,6 +285,23 @@ impl Field for Grid {
 
     fn variables(&self) -> usize {
         2
+    }
+
+    /// Of the height and of its second derivatives, which lie between the bends along all directions.
+    fn range(&self, boxed: [Interval; 3], part: usize) -> Interval {
+        let [x, y] = [0, 1].map(|i| [boxed[i].lo, boxed[i].hi]);
+        if [x, y].iter().flatten().any(|place| !place.is_finite()) {
+            return Interval::WHOLE;
+        }
+        const VALUE: usize = field_part(0, 0, 0);
+        const SECOND: [usize; 3] = [field_part(2, 0, 0), field_part(0, 2, 0), field_part(1, 1, 0)];
+        let Bounds { height, bend: [least, most] } = self.bounds(x, y);
+        match SECOND.iter().position(|second| *second == part) {
+            None if part == VALUE => Interval::new(height[0], height[1]),
+            None => Interval::WHOLE,
+            Some(2) => Interval::new(0.5 * (least - most), 0.5 * (most - least)),
+            Some(_) => Interval::new(least, most),
+        }
     }
 
     fn eval(&self, point: [f64; 3], order: usize, out: &mut [f64]) {

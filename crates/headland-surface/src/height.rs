@@ -1,5 +1,6 @@
 //! [`Height`]: distance from ground that is given by its height over x and y.
 
+mod formula;
 mod nearest;
 
 use std::fmt;
@@ -9,6 +10,8 @@ use headland_expr::{FIELD_PARTS, Field, field_part};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::implicit::{self, Level};
+
+pub use formula::Formula;
 
 /// What is known of ground over a rectangle.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -36,7 +36,7 @@ pub mod shape;
 pub use contact::{Contact, ContactError, Surface};
 pub use ellipsoid::Ellipsoid;
 pub use grid::{Grid, GridError, Layout, read_csv};
-pub use height::{Bounds, Function, Ground, Height, HeightError, HeightFunction};
+pub use height::{Bounds, Formula, Function, Ground, Height, HeightError, HeightFunction};
 #[cfg(feature = "mesh")]
 pub use mesh::{Mesh, MeshError, MeshErrors, MeshOptions};
 pub use revolution::{Profile, Revolution, RevolutionError};

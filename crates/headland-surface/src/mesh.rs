@@ -13,6 +13,8 @@ mod scene;
 
 use std::fmt;
 
+use headland_expr::{FIELD_PARTS, Field};
+
 use check::{Checked, dot, doubled_area, minus, squared, unit};
 use parry::Triangles;
 
@@ -190,6 +192,26 @@ impl Mesh {
             }
         }
         worst
+    }
+}
+
+/// Distance and normal for compliant contact. Second derivatives, which only tell how a normal force turns, are those of a
+/// triangle: none.
+impl Field for Mesh {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn eval(&self, point: [f64; 3], order: usize, out: &mut [f64]) {
+        let out = &mut out[..FIELD_PARTS[order]];
+        let Ok(contact) = self.query(point) else {
+            out.fill(f64::NAN);
+            return;
+        };
+        let parts = [contact.distance, contact.normal[0], contact.normal[1], contact.normal[2]];
+        for (k, out) in out.iter_mut().enumerate() {
+            *out = parts.get(k).copied().unwrap_or(0.0);
+        }
     }
 }
 

@@ -113,6 +113,8 @@ pub(super) struct Relative<'g> {
     r: Rotation<Expr<'g>>,
     w: Vector<Expr<'g>>,
     w_rate: Vector<Expr<'g>>,
+    /// Both in A's axes, where they are the simpler form.
+    level: Option<(Vector<Expr<'g>>, Vector<Expr<'g>>)>,
 }
 
 impl<'g> Relative<'g> {
@@ -130,7 +132,12 @@ impl<'g> Relative<'g> {
         let carried = r.apply_inverse(a.spin);
         let w = b.spin - carried;
         let w_rate = b.spin_rate - r.apply_inverse(a.spin_rate) + w.cross(carried);
-        Self { d, d_rate, d_second, r, w, w_rate }
+        let level = b.level_spin.map(|(spin, rate)| {
+            let [spin, rate] = [spin, rate].map(|v| a.rotation.apply_inverse(v));
+            let relative = spin - a.spin;
+            (relative, rate - a.spin_rate + relative.cross(a.spin))
+        });
+        Self { d, d_rate, d_second, r, w, w_rate, level }
     }
 
     /// `R_AB`.
@@ -146,6 +153,12 @@ impl<'g> Relative<'g> {
     /// Rate of its components.
     pub(super) fn spin_rate(&self) -> Vector<Expr<'g>> {
         self.w_rate
+    }
+
+    /// Angular velocity of B relative to A, and that of its components in B's axes their rate, in A's axes.
+    pub(super) fn turns(&self) -> [Vector<Expr<'g>>; 2] {
+        let (w, rate) = self.level.unwrap_or_else(|| (self.r.apply(self.w), self.r.apply(self.w_rate)));
+        [w, rate]
     }
 
     /// A component of `d`.

@@ -1,10 +1,10 @@
 //! `[[contact]]`: a ball that may roll on a surface, slide on it, leave it and hit it.
 //!
-//! Its rows are those of rolling; which of them hold is a matter of the mode, [`crate::contact`].
+//! Its rows are those of rolling; which of them hold is a matter of the mode, [`crate::contact`]. With `stiffness` it is
+//! compliant instead: forces, no rows.
 
 use headland_expr::{Expr, NodeId, Scalar};
 use headland_spatial::Vector;
-use headland_surface::Shape;
 
 use super::closures::Relative;
 use super::curved::Touch;
@@ -34,10 +34,21 @@ impl<'g> Builder<'_, 'g> {
             let place = element.get("radius").map_or(&element.place, |v| &v.place).clone();
             let ball = self.size(ball, "radius", &place, true)?;
             let shape = self.shape_of(ground)?;
+            match element.get("stiffness") {
+                Some(_) => self.tell_facets(&full, &shape, element),
+                None => self.must_be_smooth(&shape, "hard contact", element)?,
+            }
             self.check_fit(ball, &shape, element)?;
             let (Some(a), Some(b)) = (self.motion(ground), self.motion(body)) else { return Err(Reported) };
-            let touch = Touch::new(&Relative::new(&a, &b.fixed(&centre)), ball, &shape);
-            self.hard_contact(&full, &touch, matches!(shape, Shape::Plane), element, &binding)?;
+            let relative = Relative::new(&a, &b.fixed(&centre));
+            let touch = Touch::new(&relative, ball, &shape);
+            self.watch_room(&full, &relative, ball, &shape, true);
+            if element.get("stiffness").is_some() {
+                self.compliant_contact(&full, &touch, ball, element, &binding)?;
+                continue;
+            }
+            self.without(element, &super::compliant::KEYS, "without `stiffness` the contact is hard")?;
+            self.hard_contact(&full, &touch, shape.is_plane(), element, &binding)?;
         }
         Ok(())
     }
@@ -126,13 +137,18 @@ impl<'g> Builder<'_, 'g> {
     }
 
     /// A number without unit that is not negative.
-    fn coefficient(&mut self, element: &SceneElement, key: &str, binding: &Binding) -> Made<Option<Expr<'g>>> {
+    pub(super) fn coefficient(
+        &mut self,
+        element: &SceneElement,
+        key: &str,
+        binding: &Binding,
+    ) -> Made<Option<Expr<'g>>> {
         let Some(e) = self.scalar_field(element, key, binding, &Dimension::NONE)? else { return Ok(None) };
         self.not_negative(element, key, e)?;
         Ok(Some(e))
     }
 
-    fn not_negative(&mut self, element: &SceneElement, key: &str, e: Expr<'g>) -> Made<()> {
+    pub(super) fn not_negative(&mut self, element: &SceneElement, key: &str, e: Expr<'g>) -> Made<()> {
         match self.evaluate(e) {
             Some(x) if x < 0.0 || x.is_nan() => {
                 let place = element.get(key).map_or(&element.place, |v| &v.place).clone();
@@ -171,7 +187,9 @@ impl<'g> Builder<'_, 'g> {
         let shift = ["x", "y", "z"].map(|i| input(format!("shift {i}")));
         let (d, n) = (Vector(direction.map(|e| graph.expr(e))), graph.expr(normal_force));
         let shift_vector = Vector(shift.map(|e| graph.expr(e)));
-        let s = slip + shift_vector - normal * normal.dot(shift_vector);
+        // rounding along the normal is not small beside a slip that begins
+        let s = slip + shift_vector;
+        let s = s - normal * normal.dot(s);
         let mut by_slip = number(0.0);
         if let Some(mu) = coefficient {
             // beyond the end of a slide the force goes on smoothly: it has the sign of the way it slid

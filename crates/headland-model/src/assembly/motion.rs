@@ -23,6 +23,8 @@ pub(crate) struct Motion<'g> {
     pub(crate) gravity: Vector<Expr<'g>>,
     /// Velocity and acceleration of the origin in the world's axes, where they are the simpler form.
     pub(crate) level: Option<(Vector<Expr<'g>>, Vector<Expr<'g>>)>,
+    /// Angular velocity and acceleration in the world's axes, where they are the simpler form.
+    pub(crate) level_spin: Option<(Vector<Expr<'g>>, Vector<Expr<'g>>)>,
 }
 
 /// A coordinate, or a given function of time, with its first and second rates.
@@ -56,6 +58,8 @@ pub(crate) struct Ball<'g> {
     pub(crate) rate: Vector<Expr<'g>>,
     /// Coordinates and quasi-velocities that these are, by position.
     pub(crate) of: Option<([usize; 4], [usize; 3])>,
+    /// The same in the axes before the turn, where the quasi-velocities stand there.
+    pub(crate) level: Option<(Vector<Expr<'g>>, Vector<Expr<'g>>)>,
 }
 
 impl<'g> Drive<'g> {
@@ -80,7 +84,7 @@ impl<'g> Step<'g> {
                 // d(R w)/dt = R w′, for w × w = 0
                 let r = Rotation::from_quaternion(ball.quaternion);
                 let (spin, rate) = (-r.apply(ball.spin), -r.apply(ball.rate));
-                Step::Ball(Ball { quaternion: ball.quaternion.conjugate(), spin, rate, of: None })
+                Step::Ball(Ball { quaternion: ball.quaternion.conjugate(), spin, rate, of: None, level: None })
             }
         }
     }
@@ -114,6 +118,7 @@ impl<'g> Motion<'g> {
             acceleration: zero,
             gravity,
             level: None,
+            level_spin: None,
         }
     }
 
@@ -133,6 +138,7 @@ impl<'g> Motion<'g> {
             acceleration: at(self.acceleration, arm_rate),
             gravity: turn.apply_inverse(self.gravity),
             level: self.level.map(|(v, a)| (v + self.rotation.apply(arm), a + self.rotation.apply(arm_rate))),
+            level_spin: self.level_spin,
         }
     }
 
@@ -144,7 +150,13 @@ impl<'g> Motion<'g> {
                 let (w, rate) = (*axis * drive.rate, *axis * drive.acceleration);
                 self.turn(&about(*axis, drive.value), w, rate)
             }
-            Step::Ball(ball) => self.turn(&Rotation::from_quaternion(ball.quaternion), ball.spin, ball.rate),
+            Step::Ball(ball) => {
+                let turned = self.turn(&Rotation::from_quaternion(ball.quaternion), ball.spin, ball.rate);
+                let stands = (0..3).all(|i| self.spin[i].is(0.0));
+                let level_spin = ball.level.filter(|_| stands);
+                let level_spin = level_spin.map(|(w, rate)| (self.rotation.apply(w), self.rotation.apply(rate)));
+                Self { level_spin, ..turned }
+            }
         }
     }
 
@@ -161,6 +173,7 @@ impl<'g> Motion<'g> {
             acceleration: r.apply_inverse(self.acceleration),
             gravity: r.apply_inverse(self.gravity),
             level: self.level.filter(|_| stands),
+            level_spin: None,
         }
     }
 
@@ -177,6 +190,11 @@ impl<'g> Motion<'g> {
             level: level.map(|(v0, a0)| (v0 + self.rotation.apply(v), a0 + self.rotation.apply(a))),
             ..shifted
         }
+    }
+
+    /// Angular velocity in the world's axes.
+    pub(crate) fn spin_in_world(&self) -> Vector<Expr<'g>> {
+        self.level_spin.map_or_else(|| self.rotation.apply(self.spin), |(w, _)| w)
     }
 
     /// Velocity of the origin in the world's axes.

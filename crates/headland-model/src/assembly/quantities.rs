@@ -79,7 +79,10 @@ impl<'g> Total<'g> {
         self.mass = self.mass + mass;
         self.moment = self.moment + centre.position * mass;
         self.momentum = self.momentum + momentum;
-        let spin = centre.rotation.apply(tensor * centre.spin);
+        let spin = match centre.level_spin {
+            Some((w, _)) if is_round(&tensor) => w * tensor.0[0],
+            _ => centre.rotation.apply(tensor * centre.spin),
+        };
         self.angular = self.angular + centre.position.cross(momentum) + spin;
     }
 
@@ -97,6 +100,12 @@ impl<'g> Total<'g> {
     }
 }
 
+/// Whether a tensor is the same about all axes, whatever the numbers.
+pub(super) fn is_round(tensor: &Symmetric<Expr<'_>>) -> bool {
+    let Symmetric([xx, yy, zz, rest @ ..]) = tensor;
+    yy == xx && zz == xx && rest.iter().all(|e| e.is(0.0))
+}
+
 /// A part of a frame's motion.
 pub(crate) fn quantity<'g>(m: &Motion<'g>, part: &str) -> Option<Typed<'g>> {
     let axis = |name: &str| ["x", "y", "z"].iter().position(|a| *a == name);
@@ -107,7 +116,7 @@ pub(crate) fn quantity<'g>(m: &Motion<'g>, part: &str) -> Option<Typed<'g>> {
     if let Some(e) = of(m.position, part) {
         return typed(e, length(0), false);
     }
-    if let Some(e) = part.strip_prefix("omega_").and_then(|a| of(m.rotation.apply(m.spin), a)) {
+    if let Some(e) = part.strip_prefix("omega_").and_then(|a| of(m.spin_in_world(), a)) {
         return typed(e, rate(1), true);
     }
     if let Some(e) = part.strip_prefix("epsilon_").and_then(|a| of(m.spin_rate, a)) {

@@ -133,6 +133,8 @@ impl<'g> Builder<'_, 'g> {
                 continue;
             }
             if let (Some(curved), Form::Ball(radius)) = (self.curved_ground(element, ground, &binding)?, &form) {
+                self.must_be_smooth(&curved, "rolling without slipping", element)?;
+                self.check_fit(*radius, &curved, element)?;
                 self.roll_on(&full, &relative, *radius, &curved, element);
                 continue;
             }
@@ -327,7 +329,7 @@ impl<'g> Relative<'g> {
 
     /// The slip velocity and its rate at a place from the centre, by components in the ground's axes.
     pub(super) fn slip_at(&self, p: Vector<Expr<'g>>, p_rate: Vector<Expr<'g>>) -> [[Expr<'g>; 2]; 3] {
-        let (w, w_rate) = (self.turning().apply(self.spin()), self.turning().apply(self.spin_rate()));
+        let [w, w_rate] = self.turns();
         let centre = [0, 1, 2].map(|i| self.distance(i));
         let velocity = Vector(centre.map(|[_, v, _]| v)) + w.cross(p);
         let rate = Vector(centre.map(|[_, _, a]| a)) + w_rate.cross(p) + w.cross(p_rate);

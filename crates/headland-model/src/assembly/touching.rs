@@ -23,6 +23,7 @@ use headland_surface::{Shape, Side};
 use super::closures::{Relative, Row};
 use super::number;
 use super::rolling::{Form, RowForce, unit};
+use super::surfaces::{Ground, Kind};
 use crate::build::{Builder, Made, bound_name};
 use crate::depend::Kinds;
 use crate::dimension::Dimension;
@@ -41,7 +42,7 @@ const ON_HEIGHT: &[&str] = &["s", "t"];
 const ON_SHAPE: &[&str] = &["x", "y", "z"];
 
 /// Least value of 1 − radius of the body/radius of the ground: nearer to zero the place of contact runs without bounds.
-const ONE_POINT: f64 = 1e-2;
+pub(super) const ONE_POINT: f64 = 1e-2;
 
 /// Sine of the angle between a disc's axis and the normal below which it lies flat.
 const FLAT: f64 = 1e-7;
@@ -51,7 +52,7 @@ pub(super) enum Curved<'g> {
     /// `z` by the coordinates of the place of contact.
     Height(Expr<'g>),
     /// By its distance.
-    Shape(Shape<Expr<'g>>),
+    Distance(Ground<'g>),
 }
 
 /// The ground at the place of contact.
@@ -134,7 +135,13 @@ impl<'g> Builder<'_, 'g> {
             return Ok(None);
         }
         let shape = self.ground_shape(element, ground, binding)?;
-        if let Shape::Sphere { radius, side: Side::Inside } = shape
+        self.must_be_smooth(&shape, "rolling without slipping", element)?;
+        if let Ground::Field(_, Kind::Height(height)) = &shape {
+            let places = self.places_of(name, ON_HEIGHT)?;
+            let at = [0, 1].map(|k| self.coordinate(places[k])[0]);
+            return Ok(Some(Curved::Height(height.with(self.low.graph, at))));
+        }
+        if let Ground::Shape(Shape::Sphere { radius, side: Side::Inside }) = shape
             && let (Some(hollow), Some(body)) = (self.evaluate(radius), form.reach().and_then(|r| self.evaluate(r)))
             && body >= hollow
         {
@@ -143,7 +150,7 @@ impl<'g> Builder<'_, 'g> {
             );
             return Err(self.low.report(element.place.clone(), message));
         }
-        Ok(Some(Curved::Shape(shape)))
+        Ok(Some(Curved::Distance(shape)))
     }
 
     /// The coordinates that a place of contact has; a ball on a plane or shape has none.
@@ -151,6 +158,7 @@ impl<'g> Builder<'_, 'g> {
         let frame = &self.assembly.frames[ground];
         let of_surface = frame.element.as_ref().filter(|_| frame.is_surface).and_then(|(e, _)| e.get("shape"));
         let curved = match of_surface.map(|v| &v.data) {
+            Some(Data::Text(word)) if word == "height" => return ON_HEIGHT,
             Some(Data::Text(word)) => word != "plane",
             _ => is(element, "sphere") || is(element, "cylinder"),
         };
@@ -216,7 +224,7 @@ impl<'g> Builder<'_, 'g> {
                 let normal = self.vector_with_rates(n, element)?;
                 Ok(Patch { places, point, normal, turns: [n_s, n_t, Vector::zero()], distance: None })
             }
-            Curved::Shape(shape) => {
+            Curved::Distance(shape) => {
                 let places = self.places_of(name, ON_SHAPE)?;
                 let point = [0, 1, 2].map(|k| self.coordinate(places[k]));
                 let [p, p_rate, p_second] = [0, 1, 2].map(|order| Vector(point.map(|row| row[order])));

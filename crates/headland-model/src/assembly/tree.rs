@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use headland_expr::parse::suggestion;
 use headland_expr::{Expr, NodeId, Scalar};
-use headland_spatial::{Pose, Quaternion, Vector};
+use headland_spatial::{Pose, Quaternion, Rotation, Vector};
 
 use super::joints::{Freedom, JointKind};
 use super::motion::{Ball, Drive, Step};
@@ -52,7 +52,17 @@ impl<'s, 'g> Builder<'s, 'g> {
         }
         let place = element.place.clone();
         let element = Some((element, binding));
-        self.assembly.joints.push(JointEntry { name: full, place, kind, from, to, element, cut, by_angles });
+        self.assembly.joints.push(JointEntry {
+            name: full,
+            place,
+            kind,
+            from,
+            to,
+            element,
+            cut,
+            by_angles,
+            in_world: false,
+        });
         Ok(())
     }
 
@@ -133,15 +143,30 @@ impl<'s, 'g> Builder<'s, 'g> {
             let frame = &self.assembly.frames[free];
             let (name, place) = (frame.name.clone(), frame.place.clone());
             let kind = JointKind::Free;
+            let in_world = self.turns_in_world(free);
             self.assembly.tree.push((self.assembly.joints.len(), false));
-            let joint =
-                JointEntry { name, place, kind, from: 0, to: free, element: None, cut: false, by_angles: false };
+            let (element, cut, by_angles) = (None, false, false);
+            let joint = JointEntry { name, place, kind, from: 0, to: free, element, cut, by_angles, in_world };
             self.assembly.joints.push(joint);
             used.push(true);
             reached[free] = true;
             queue.push_back(free);
         }
         self.assembly.closing = (0..used.len()).filter(|j| !used[*j]).collect();
+    }
+
+    /// What a free body says of the axes of its angular velocity.
+    fn turns_in_world(&mut self, frame: usize) -> bool {
+        let Some((element, _)) = self.assembly.frames[frame].element.clone() else { return false };
+        match element.get("angular_velocity").map(|v| (&v.data, v.place.clone())) {
+            None => false,
+            Some((Data::Text(word), _)) if word == "body" => false,
+            Some((Data::Text(word), _)) if word == "world" => true,
+            Some((_, place)) => {
+                let _ = self.low.report(place, "`angular_velocity` is \"body\" (default) or \"world\"");
+                false
+            }
+        }
     }
 
     /// Coordinates and quasi-velocities of the tree's joints, in the order of the file.
@@ -166,11 +191,16 @@ impl<'s, 'g> Builder<'s, 'g> {
             for (part, guess) in [("qw", 1.0), ("qx", 0.0), ("qy", 0.0), ("qz", 0.0)] {
                 self.named_coordinate(j, part, &Dimension::NONE, false, Some(guess))?;
             }
-            for part in ["wx", "wy", "wz"] {
+            for part in self.turns_of(j) {
                 self.joint_velocity(j, part)?;
             }
         }
         Ok(())
+    }
+
+    /// Names of the components of a ball's angular velocity.
+    fn turns_of(&self, j: usize) -> [&'static str; 3] {
+        if self.assembly.joints[j].in_world { ["omega_x", "omega_y", "omega_z"] } else { ["wx", "wy", "wz"] }
     }
 
     fn joint_coordinate(&mut self, j: usize, part: &str, freedom: Freedom, guess: Option<f64>) -> Made<()> {
@@ -410,7 +440,7 @@ impl<'s, 'g> Builder<'s, 'g> {
         }
         let mut w: [(NodeId, NodeId); 3] = [(self.low.time, self.low.time); 3];
         let mut places = [0; 3];
-        for ((slot, place), part) in w.iter_mut().zip(&mut places).zip(["wx", "wy", "wz"]) {
+        for ((slot, place), part) in w.iter_mut().zip(&mut places).zip(self.turns_of(j)) {
             let (family, member, _) = self.part_name(j, part)?;
             if let Some(Symbol::QuasiVelocity(members)) = self.low.symbols.by_name.get(family.as_str()) {
                 *place = members.get(member).unwrap_or_default();
@@ -419,13 +449,20 @@ impl<'s, 'g> Builder<'s, 'g> {
             }
         }
         let quaternion = Quaternion(q.map(|(_, e)| e));
-        let spin = Vector(w.map(|(u, _)| graph.expr(u)));
-        let rate = quaternion.rate_from_body(spin);
+        let (turns, seconds) = (Vector(w.map(|(u, _)| graph.expr(u))), Vector(w.map(|(_, a)| graph.expr(a))));
+        let in_world = self.assembly.joints[j].in_world;
+        let rate = if in_world { quaternion.rate_from_world(turns) } else { quaternion.rate_from_body(turns) };
         for ((i, _), e) in q.iter().zip(rate.0) {
             let name = format!("{}'", self.low.coordinates[*i].name);
             self.parts.kinematics.push(KinematicRow::new(name, &place, RowForm::Rate(*i, graph.id(e))));
         }
         let of = Some((q.map(|(i, _)| i), places));
-        Ok(Step::Ball(Ball { quaternion, spin, rate: Vector(w.map(|(_, a)| graph.expr(a))), of }))
+        if in_world {
+            // d(Rᵀ w)/dt = Rᵀ w′, for w × w = 0; the recursive algorithms know velocities in the body's axes only
+            let r = Rotation::from_quaternion(quaternion);
+            let (spin, rate) = (r.apply_inverse(turns), r.apply_inverse(seconds));
+            return Ok(Step::Ball(Ball { quaternion, spin, rate, of: None, level: Some((turns, seconds)) }));
+        }
+        Ok(Step::Ball(Ball { quaternion, spin: turns, rate: seconds, of, level: None }))
     }
 }
