@@ -71,6 +71,11 @@ impl<'g> Builder<'_, 'g> {
         let (kind, primes, members) = self.state_key(entry)?;
         let formula = self.formula_of(&entry.value)?;
         for (i, binding) in members {
+            if kind && primes > 0 && self.low.coordinates[i].first_order {
+                let message =
+                    format!("`{}` is the rate of a state of the first order: it follows from the state", entry.key);
+                return Err(self.low.report(place, message));
+            }
             let typed = self.low.lower(&formula, &binding)?;
             let (dimension, angle) =
                 if kind { self.low.coordinate_types[i].clone() } else { self.low.quasi_types[i].clone() };

@@ -202,6 +202,9 @@ fn a_file_gives_the_law() {
     for (a, b) in plain.iter().zip(&mirrored) {
         assert!((a[0] + b[0]).abs() < 1e-8 && (a[1] + b[1]).abs() < 1e-5, "{a:?} {b:?}");
     }
+    // with the file's own relaxation it begins without slip and ends the same way
+    let relaxed = run(&scene("relaxation = \"file\"\n", 0.2));
+    assert!(relaxed[0][1] == 0.0 && (relaxed[300][0] - plain[300][0]).abs() < 0.02, "{:?}", relaxed[300]);
     std::fs::remove_dir_all(&folder).expect("the folder goes");
 }
 
@@ -294,4 +297,21 @@ fn stiff_tyres_tend_to_no_slip() {
     let order = errors.iter().zip(0..).map(|(e, k)| (2.0 - f64::from(k)) * (e - mean)).sum::<f64>() / 10.0;
     assert!((order - 1.0).abs() < 0.05, "{order}: {errors:?}");
     assert!(errors[4] < -4.5, "{errors:?}");
+}
+
+/// Four tyres carry the tractor's weight; it is where the lane change leaves it, with its energy accounted for.
+#[test]
+fn a_tractor_on_four_tyres() {
+    let model = common::build(&read(include_str!("../../../models/tractor.toml")));
+    let run = done(&model, |o| (o.until, o.points) = (10.0, 100));
+    let column = |name: &str| model.outputs.iter().position(|o| o.name == name).expect(name);
+    let loads = ["tyre_f[1].fz", "tyre_f[2].fz", "tyre_r[1].fz", "tyre_r[2].fz"].map(column);
+    let weight = (4400.0 + 300.0 + 2.0 * 150.0 + 2.0 * 500.0) * 9.81e-3; // kN
+    for row in [&run.trajectory.rows[15][..], last(&run)] {
+        let sum: f64 = loads.iter().map(|k| row[*k]).sum();
+        assert!((sum / weight - 1.0).abs() < 1e-3, "{sum} {weight}");
+    }
+    let (y, yaw) = (column("place.y"), column("place.yaw"));
+    assert!(last(&run)[y] > 2.0 && last(&run)[yaw].abs() < 0.2, "{:?}", last(&run));
+    assert!(run.report.energy_balance.expect("a balance") < 1e-7);
 }

@@ -14,16 +14,19 @@
 
 use headland_expr::{Expr, Scalar};
 use headland_spatial::Vector;
-use headland_tyre::{ContactAxes, Forces, Motion, Relaxation, RollingResistance, Slip, Stiffness};
+use headland_surface::Shape;
+use headland_tyre::guard::smooth_step;
+use headland_tyre::{ContactAxes, Forces, Motion, Relaxation, RollingResistance, Slip, Stiffness, Vertical};
 
 use super::closures::Relative;
 use super::number;
 use super::rolling::{Form, unit};
+use super::surfaces::Ground;
 use super::tyre_law::{Law, Least};
 use crate::build::{Builder, Made, bound_name};
 use crate::dimension::Dimension;
 use crate::lower::{Reported, Typed};
-use crate::model::{Hazard, KinematicRow, Load, RowForm};
+use crate::model::{Hazard, KinematicRow, Load, RowForm, Switch};
 use crate::scene::{Data, Element as SceneElement};
 use crate::symbols::{Binding, Members, Symbol};
 
@@ -107,6 +110,7 @@ impl<'g> Builder<'_, 'g> {
             forces.my = forces.my + law.moment(load, stand.motion.forward, slip.direction);
         }
         self.vertical_loads(element, name, &vertical.spring, load, &stand);
+        self.watch_lift_off(&vertical, &stand);
         let Stand { axes, velocity, spin, .. } = stand;
         self.tyre_load(element, &format!("{name}.grip"), axes.x * forces.fx + axes.y * forces.fy, velocity, None);
         let moment = axes.x * forces.mx + axes.y * forces.my + axes.z * forces.mz;
@@ -123,7 +127,7 @@ impl<'g> Builder<'_, 'g> {
             let message = format!("`{name}` stands on the body that it belongs to");
             return Err(self.low.report(element.place.clone(), message));
         }
-        if !matches!(self.shape_of(ground)?, headland_surface::Shape::Plane) {
+        if !matches!(self.shape_of(ground)?, Ground::Shape(Shape::Plane)) {
             let place = element.get("on").map_or(&element.place, |v| &v.place).clone();
             return Err(self
                 .low
@@ -175,6 +179,23 @@ impl<'g> Builder<'_, 'g> {
         );
         let quantity = self.low.graph.id(height);
         self.parts.hazards.push(Hazard { quantity, limit: 0.0, message, place: element.place.clone() });
+    }
+
+    /// Where methods begin anew: where the wheel lifts off or touches down, and where the damper is cut off. Where it is
+    /// nearest to the ground is watched too, so that a contact within one long step of flight is seen.
+    fn watch_lift_off(&mut self, vertical: &Vertical<Expr<'g>>, stand: &Stand<'g>) {
+        let graph = self.low.graph;
+        let (gap, rate) = (-stand.deflection, -stand.deflection_rate);
+        let mut switch = |quantity: Expr<'g>, restarts| {
+            self.parts.switches.push(Switch { quantity: graph.id(quantity), restarts });
+        };
+        switch(gap, true);
+        switch(Expr::select(gap, rate, number(-1.0)), false);
+        if !vertical.damping.is(0.0) {
+            let d = stand.deflection.max(number(0.0));
+            let damper = vertical.damping * smooth_step(d / vertical.onset) * rate;
+            switch(Expr::select(gap, number(1.0), vertical.spring.force(d) - damper), true);
+        }
     }
 
     /// Spring and damper along the rate of the deflection. What the spring stores is potential energy, where it has a
