@@ -83,6 +83,12 @@ pub(crate) fn linear_rows(model: &Model, nodes: &[NodeId]) -> Result<Vec<Row>, D
     let graph = &model.graph;
     let columns = columns(model);
     let inputs: Vec<usize> = columns.iter().map(|(_, input)| model.input_index(*input)).collect();
+    // the rate of a state of the first order is put in afterwards: here it is nothing
+    let zero = graph.id(Expr::Const(0.0));
+    let is_state =
+        |r: usize| matches!(model.kinematics[r].form, RowForm::Rate(i, _) if model.coordinates[i].first_order);
+    let nodes: Vec<NodeId> = (0..nodes.len()).map(|r| if is_state(r) { zero } else { nodes[r] }).collect();
+    let nodes = nodes.as_slice();
     let constants = graph.substitute(nodes, |i| inputs.contains(&i).then_some(Expr::Const(0.0)));
     let drifts = row_drifts(model, nodes);
     let mut rows: Vec<Row> = (0..nodes.len())

@@ -11,7 +11,8 @@ use crate::error::DeriveError;
 use crate::kinematics::{Kinematics, velocity_name};
 use crate::sample::{Spread, start_inputs};
 
-/// `G` and `g` as numbers at the given inputs: column k of G is the velocities at `u = e_k` less those at `u = 0`.
+/// `G` and `g` as numbers at the given inputs: column k of G is the velocities at `u = e_k` less those at `u = 0`. Rows of
+/// states of the first order, which need not be linear, are zero.
 pub fn kinematic_matrices(model: &Model, kinematics: &Kinematics, inputs: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
     let mut x = inputs.to_vec();
     let slots: Vec<usize> = kinematics.quasi.iter().map(|u| model.input_index(u.u)).collect();
@@ -25,6 +26,11 @@ pub fn kinematic_matrices(model: &Model, kinematics: &Kinematics, inputs: &[f64]
         let column = DVector::from_vec(model.graph.eval(&kinematics.velocities, &x)) - &drift;
         g.set_column(k, &column);
         x[slot] = 0.0;
+    }
+    let mut drift = drift;
+    for (i, _) in model.coordinates.iter().enumerate().filter(|(_, c)| c.first_order) {
+        g.row_mut(i).fill(0.0);
+        drift[i] = 0.0;
     }
     (g, drift)
 }

@@ -91,8 +91,10 @@ pub fn solve_kinematics(model: &Model, inputs: &[f64], mass: &[f64]) -> Result<K
         })
         .collect();
     let uses_rates = graph.depends(&nodes, |i| rate_inputs.contains(&i));
-    let explicit =
-        model.kinematics.iter().zip(&uses_rates).all(|(r, uses)| matches!(r.form, RowForm::Rate(..)) && !uses);
+    let explicit = model.kinematics.iter().zip(&uses_rates).all(|(r, uses)| match r.form {
+        RowForm::Rate(i, _) => !uses || model.coordinates[i].first_order,
+        RowForm::Zero(_) => false,
+    });
 
     let mut solved = Solved { velocities: vec![None; all.len()], drift: vec![None; all.len()], ..Solved::default() };
     if explicit {
@@ -105,6 +107,7 @@ pub fn solve_kinematics(model: &Model, inputs: &[f64], mass: &[f64]) -> Result<K
         let rows = linear_rows(model, &nodes)?;
         eliminate(model, rows, inputs, mass, &mut solved)?;
     }
+    first_order_rates(model, &mut solved);
     let quasi = quasi_velocities(model, &solved.velocities);
     let velocities: Vec<NodeId> =
         solved.velocities.iter().zip(&all).map(|(v, (input, _))| v.unwrap_or(*input)).collect();
@@ -117,6 +120,23 @@ pub fn solve_kinematics(model: &Model, inputs: &[f64], mass: &[f64]) -> Result<K
     let constraints = rates.len().saturating_sub(quasi.len());
     let (dependent, redundant, factors) = (solved.dependent, solved.redundant, Arc::new(solved.factors));
     Ok(Kinematics { quasi, rates, velocities, drift, dependent, constraints, mass: mass.to_vec(), redundant, factors })
+}
+
+/// Puts the solved velocities into the rates of states of the first order, which nothing else depends on.
+pub(crate) fn first_order_rates(model: &Model, solved: &mut Solved) {
+    let all = velocity_inputs(model);
+    let velocities: Vec<NodeId> =
+        solved.velocities.iter().zip(&all).map(|(v, (input, _))| v.unwrap_or(*input)).collect();
+    let flow = Flow::of_velocities(model, &velocities);
+    let rows = model.kinematics.iter().filter_map(|r| match r.form {
+        RowForm::Rate(i, node) if model.coordinates[i].first_order => Some((i, node)),
+        _ => None,
+    });
+    let (states, nodes): (Vec<usize>, Vec<NodeId>) = rows.unzip();
+    for (i, e) in states.into_iter().zip(flow.substitute_rates(&nodes)) {
+        solved.velocities[i] = Some(model.graph.id(e));
+        solved.drift[i] = None; // by differentiation
+    }
 }
 
 /// Whether something is given as a function of time: then there may be motion without freedom.
@@ -203,13 +223,14 @@ pub(crate) fn by_quasi_velocities(model: &Model, quasi: &[Quasi], nodes: &[NodeI
     rows
 }
 
-/// `G` must not contain velocities.
+/// `G` must not contain velocities, but for the rows of states of the first order.
 pub(crate) fn check_linear(model: &Model, quasi: &[Quasi], velocities: &[NodeId]) -> Result<(), DeriveError> {
     let graph = &model.graph;
     let u_inputs: Vec<usize> = quasi.iter().map(|u| model.input_index(u.u)).collect();
     let rows = by_quasi_velocities(model, quasi, velocities);
     let mut entries: Vec<(usize, NodeId)> = Vec::new();
-    for (v, row) in rows.iter().enumerate() {
+    let bound = |v: &usize| !model.coordinates.get(*v).is_some_and(|c| c.first_order);
+    for (v, row) in rows.iter().enumerate().filter(|(v, _)| bound(v)) {
         entries.extend(row.iter().filter(|e| graph.constant_value(**e).is_none()).map(|e| (v, *e)));
     }
     let nodes: Vec<NodeId> = entries.iter().map(|(_, e)| *e).collect();

@@ -21,6 +21,8 @@ mod rolling;
 mod surfaces;
 mod touching;
 mod tree;
+mod tyre;
+mod tyre_law;
 
 use headland_expr::{Expr, Scalar};
 use headland_spatial::{Pose, Symmetric, Vector};
@@ -99,8 +101,8 @@ pub(crate) struct Assembly<'s, 'g> {
     tilts: Vec<(String, Place, headland_expr::NodeId)>,
 }
 
-const SECTIONS: [&str; 10] =
-    ["body", "frame", "surface", "joint", "rolling", "contact", "skate", "gear", "spring", "bushing"];
+const SECTIONS: [&str; 11] =
+    ["body", "frame", "surface", "joint", "rolling", "contact", "tyre", "skate", "gear", "spring", "bushing"];
 
 impl<'s, 'g> Builder<'s, 'g> {
     /// Declares bodies, frames, joints and their coordinates.
@@ -127,6 +129,7 @@ impl<'s, 'g> Builder<'s, 'g> {
             self.span_tree();
             self.declare_joint_coordinates();
             self.declare_places();
+            self.declare_tyres();
         }
     }
 
@@ -240,7 +243,7 @@ impl<'s, 'g> Builder<'s, 'g> {
 
     /// Constraints and forces between frames; definitions may be used here.
     pub(crate) fn assembly_elements(&mut self) {
-        for section in ["rolling", "contact", "skate", "gear", "spring", "bushing"] {
+        for section in ["rolling", "contact", "tyre", "skate", "gear", "spring", "bushing"] {
             self.no_name_twice(section);
         }
         for element in self.scene.section_elements("rolling") {
@@ -250,6 +253,9 @@ impl<'s, 'g> Builder<'s, 'g> {
         for element in self.scene.section_elements("contact") {
             let made = self.contact(element);
             self.remember(made, element);
+        }
+        for element in self.scene.section_elements("tyre") {
+            let _ = self.tyre(element);
         }
         for element in self.scene.section_elements("skate") {
             let _ = self.skate(element);

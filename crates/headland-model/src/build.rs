@@ -151,6 +151,7 @@ impl<'s, 'g> Builder<'s, 'g> {
             self.elements(section, kind, &power);
         }
         self.no_name_twice("force");
+        self.states_of_first_order();
         self.publish_derived();
         self.publish_residuals();
         self.initial();

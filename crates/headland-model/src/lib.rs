@@ -44,6 +44,7 @@ mod declare;
 mod definitions;
 pub mod depend;
 pub mod dimension;
+mod first_order;
 pub mod format;
 mod functions;
 pub mod lower;

@@ -147,6 +147,7 @@ impl<'g> Lowering<'g> {
             initial: None,
             initial_rate: None,
             guess: None,
+            first_order: false,
             scale: 1.0,
             place: place.clone(),
             name,

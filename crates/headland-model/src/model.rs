@@ -41,6 +41,9 @@ pub struct Coordinate {
     pub initial_rate: Option<NodeId>,
     /// Of a joint: where the search for a start begins if none is given.
     pub guess: Option<f64>,
+    /// True for a state of the first order: its rate is any function of q, u, t, and no structure and no constraint depends
+    /// on it.
+    pub first_order: bool,
     /// Typical size, for the absolute tolerance.
     pub scale: f64,
     /// Where it was declared.
@@ -101,7 +104,8 @@ impl KinematicRow {
 /// How an equation of the kinematics is given.
 #[derive(Clone, Copy, Debug)]
 pub enum RowForm {
-    /// Form (2): the rate of a coordinate, `q′_i = f(q, u, t)`.
+    /// Form (2): the rate of a coordinate, `q′_i = f(q, u, t)`; linear in `u` unless that is of the
+    /// [first order](Coordinate::first_order).
     Rate(usize, NodeId),
     /// Form (1): `f(q, q′, u, t) = 0`, linear in `q′` and `u`.
     Zero(NodeId),

@@ -20,6 +20,10 @@ impl<'g> Builder<'_, 'g> {
             return; // its own message says enough
         }
         self.no_zero_quaternions();
+        let zero = self.low.graph.id(headland_expr::Expr::Const(0.0));
+        for c in self.low.coordinates.iter_mut().filter(|c| c.first_order && c.guess.is_some()) {
+            c.initial.get_or_insert(zero); // nothing else says where it is: it is not searched for
+        }
         let missing: Vec<String> = self
             .low
             .coordinates
@@ -67,6 +71,11 @@ impl<'g> Builder<'_, 'g> {
         let (kind, primes, members) = self.state_key(entry)?;
         let formula = self.formula_of(&entry.value)?;
         for (i, binding) in members {
+            if kind && primes > 0 && self.low.coordinates[i].first_order {
+                let message =
+                    format!("`{}` is the rate of a state of the first order: it follows from the state", entry.key);
+                return Err(self.low.report(place, message));
+            }
             let typed = self.low.lower(&formula, &binding)?;
             let (dimension, angle) =
                 if kind { self.low.coordinate_types[i].clone() } else { self.low.quasi_types[i].clone() };

@@ -6,7 +6,7 @@ use headland_model::{Model, ModelError, Place, Scene};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
-const SCENES: [&str; 8] = [
+const SCENES: [&str; 9] = [
     include_str!("../../../models/chaplygin_sleigh.toml"),
     include_str!("../../../models/double_pendulum.toml"),
     include_str!("../../../models/paper_train.toml"),
@@ -15,6 +15,7 @@ const SCENES: [&str; 8] = [
     include_str!("../../../models/pendulum_prescribed_pivot.toml"),
     include_str!("../../../models/road_train.toml"),
     include_str!("../../../models/snakeboard.toml"),
+    include_str!("../../../models/tractor.toml"),
 ];
 
 const NAMES: &[&str] = &[

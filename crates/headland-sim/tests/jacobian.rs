@@ -103,3 +103,16 @@ fn sparse_mass_matrices() {
         compare(&with_crout(&scene), true);
     }
 }
+
+/// Tyres in both branches of their laws, lifted and pressed in, and states of the first order.
+#[test]
+fn tyres() {
+    for text in [
+        include_str!("../../../models/tractor_implement.toml"),
+        include_str!("../../../models/paper_train_tyres.toml"),
+        include_str!("../../../models/quarter_tractor.toml"),
+    ] {
+        compare(&read(text), true);
+    }
+    compare(&read(include_str!("../../../models/tractor.toml")), false);
+}

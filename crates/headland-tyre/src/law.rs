@@ -30,13 +30,14 @@ impl<S: Scalar> Slip<S> {
         Self { kappa, tan_alpha, camber: S::constant(0.0), speed: one, direction: one }
     }
 
-    /// Slip by the speeds of sliding against the belt's, `[σ_x, σ_y] = [κ, tan α] / |1 + κ|`: `−V_s / |V_r|` up to the sign
-    /// of y. A wheel near lock-up is taken at `|1 + κ| = 1e-3`, where every tyre slides.
+    /// Slip by the speeds of sliding against the belt's, `[σ_x, σ_y] = [κ, tan α] / |1 + d κ|`: `−V_s / |V_r|` up to the sign
+    /// of y, `V_r = V_x − V_sx`, d the direction of rolling. A wheel near lock-up is taken at `|1 + d κ| = 1e-3`, where
+    /// every tyre slides.
     ///
     /// # References
     /// Pacejka, *Tire and Vehicle Dynamics*, 3rd ed. 2012, sec. 3.2.
     pub fn theoretical(&self) -> [S; 2] {
-        let belt = (self.kappa + S::constant(1.0)).abs().max(S::constant(1e-3));
+        let belt = (self.direction * self.kappa + S::constant(1.0)).abs().max(S::constant(1e-3));
         [self.kappa / belt, self.tan_alpha / belt]
     }
 }

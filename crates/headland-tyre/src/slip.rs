@@ -147,8 +147,8 @@ pub struct Relaxation<S> {
     pub low_speed: S,
     /// Damping at standstill `[k_x, k_y]`, N·s/m.
     pub damping: [S; 2],
-    /// `s_max` of both states: well beyond the slip of greatest force, and below ½ along the wheel, so that `κ` stays above
-    /// −1 where laws use [theoretical slip](Slip::theoretical).
+    /// `s_max` of both states: well beyond the slip of greatest force, and below ½ along the wheel, so that `|κ|` stays
+    /// below 1 where laws use [theoretical slip](Slip::theoretical).
     pub limit: [S; 2],
 }
 

@@ -332,3 +332,20 @@ fn linear_is_proportional_and_aligns() {
     let back = law.forces(LOAD, 1.0, &Slip { direction: -1.0, ..slip });
     assert!(back.mz < 0.0, "backwards the force acts on the other side of the centre");
 }
+
+#[test]
+fn backwards_is_the_mirror_image_of_forward() {
+    let (brush, tmeasy) = (brush::<f64>(), tmeasy::<f64>());
+    for kappa in [-0.3, -0.02, 0.05, 0.4] {
+        for tan_alpha in [0.0, 0.1] {
+            let slip = Slip::forward(kappa, tan_alpha);
+            let back = Slip { kappa: -kappa, speed: -1.0, direction: -1.0, ..slip };
+            for (a, b) in [
+                (brush.forces(LOAD, 1.0, &slip), brush.forces(LOAD, 1.0, &back)),
+                (tmeasy.forces(LOAD, 1.0, &slip), tmeasy.forces(LOAD, 1.0, &back)),
+            ] {
+                assert_eq!([a.fx, a.fy, a.mz], [-b.fx, b.fy, -b.mz], "{kappa} {tan_alpha}");
+            }
+        }
+    }
+}

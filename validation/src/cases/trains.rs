@@ -116,7 +116,24 @@ pub(crate) const CASES: &[Case] = &[
         source: RADII,
         ..Case::USUAL
     },
+    Case {
+        name: "tractor_implement_relaxation_tyres",
+        scene: model!("tractor_implement"),
+        expected: tractor_implement,
+        bite: ("C[3]", "131e3"),
+        source: TRAINS,
+        ..Case::USUAL
+    },
 ];
+
+/// X, Y, ψ₁, ψ₂, v_y, r₁, r₂ and three slip angles.
+fn tractor_implement() -> Vec<Expected> {
+    let reference = reference!("trains");
+    let columns = ["X", "Y", "psi1", "psi2", "vy", "r1", "r2", "alpha[1]", "alpha[2]", "alpha[3]"];
+    let places: Vec<String> = (0..columns.len()).map(|i| i.to_string()).collect();
+    let parts: Vec<(&str, &str)> = places.iter().map(String::as_str).zip(columns).collect();
+    reference.rows("/tractor_implement_relaxation_tyres/values", &["2", "4", "10"], &parts)
+}
 
 fn paper_train() -> Vec<Expected> {
     let reference = reference!("paper_train");

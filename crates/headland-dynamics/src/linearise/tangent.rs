@@ -82,7 +82,7 @@ fn holonomic_part(model: &Model, mass: &[f64]) -> (Model, Vec<f64>) {
         used(true) && !used(false)
     };
     part.kinematics.retain(|row| match row.form {
-        RowForm::Rate(_, node) => of_ball(node),
+        RowForm::Rate(i, node) => !model.coordinates[i].first_order && of_ball(node),
         RowForm::Zero(_) => row.position.is_some(),
     });
     (part, mass)

@@ -200,6 +200,7 @@ impl<'g> Builder<'_, 'g> {
         slots.extend(parts.guards.iter_mut().map(|g| &mut g.quantity));
         slots.extend(parts.hazards.iter_mut().map(|h| &mut h.quantity));
         slots.extend(parts.events.iter_mut().map(|e| &mut e.quantity));
+        slots.extend(parts.switches.iter_mut().map(|s| &mut s.quantity));
         slots.extend(self.low.made.iter_mut().map(|m| &mut m.id));
         let nodes: Vec<NodeId> = slots.iter().map(|n| **n).collect();
         for (slot, node) in slots.into_iter().zip(replace(&nodes)) {
