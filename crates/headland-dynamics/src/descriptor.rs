@@ -245,6 +245,7 @@ fn derived<'g>(
         Derived::Kinetic => alone(energies.kinetic),
         Derived::Potential => alone(energies.potential),
         Derived::Power(name) => alone(energies.powers.iter().find(|(n, _)| n == name).map_or(zero, |(_, node)| *node)),
+        Derived::Mode(k) => alone(graph.id(Expr::Const(f64::from(model.contacts[*k].mode as u8)))),
         Derived::Contact(k, axis) => {
             let contact = &model.contacts[*k];
             let along = |i: usize| match axis {

@@ -37,6 +37,7 @@ pub fn form_derived(model: &Model, kinematics: &Kinematics, s: &Structures<'_>, 
         Derived::Kinetic => energies.kinetic,
         Derived::Potential => energies.potential,
         Derived::Power(name) => power(name),
+        Derived::Mode(k) => graph.id(Expr::Const(f64::from(model.contacts[*k].mode as u8))),
         Derived::Contact(k, axis) => {
             let contact = &model.contacts[*k];
             let slides = contact.mode == Mode::Sliding;

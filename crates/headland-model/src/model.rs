@@ -231,6 +231,8 @@ pub enum Derived {
     Reaction(Reaction),
     /// A component of the force of a hard contact along the axes of its surface, or along its normal.
     Contact(usize, Option<usize>),
+    /// What a hard contact does: 0 free, 1 sliding, 2 rolling.
+    Mode(usize),
 }
 
 /// What a velocity that a joint forbids would move: the joint's force along it is the sum of what that takes.

@@ -10,6 +10,7 @@
 
 use std::rc::Rc;
 
+use headland_dynamics::kinematics::velocity_inputs;
 use headland_dynamics::{Equations, derive_at};
 use headland_model::{Mode, Model};
 use headland_solve::{OdeProblem, SolveError};
@@ -30,6 +31,9 @@ const AT_REST: f64 = 1e-9;
 
 /// Height of a bounce that rounding of positions does not let see any more, m.
 pub(crate) const LOWEST_BOUNCE: f64 = 1e-11;
+
+/// Part of the fastest velocity by which velocities may change where no impact is: what is left of a slip that ends.
+const JUMP: f64 = 1e-5;
 
 /// Part of its largest value so far by which a limit may be overstepped.
 const OVERLOOKED: f64 = 1e-9;
@@ -154,6 +158,15 @@ impl<'m> TimeLoop<'m> {
             if rate < -AT_REST {
                 hits.get_or_insert(k);
                 continue;
+            }
+            let slip = length(state.across(state.slip));
+            if contact.friction.is_none() && slip > AT_REST {
+                self.ending.status = Status::Failed(format!(
+                    "the contact `{}` starts with a slip of {slip:.3e} m/s, but without `friction` it never slips; give \
+                     velocities that roll, leave them open with `start = \"rolling\"`, or give `friction`",
+                    contact.name
+                ));
+                return Ok(());
             }
             modes[k] = self.touching(k, state, AT_REST);
         }
@@ -345,6 +358,15 @@ impl<'m> TimeLoop<'m> {
                 modes[k] = mode;
                 continue;
             }
+            let jump = velocity_jump(self.model, &inputs, &work.model_inputs(form.model, t, &y));
+            if jump > JUMP * fastest.max(AT_REST) {
+                self.ending.status = Status::Failed(format!(
+                    "at t = {t} s velocities would have to jump by {jump:.3e} for the contacts to go on as {}, which \
+                     wants an impulse that no impact gives",
+                    modes.iter().map(|m| m.name()).collect::<Vec<_>>().join(", ")
+                ));
+                return Ok(());
+            }
             self.tell_modes(t, &before, &modes, observer);
             let changed = !Rc::ptr_eq(&form.system, &self.work.system);
             self.y = y;
@@ -478,6 +500,12 @@ impl<'m> TimeLoop<'m> {
         let system = &self.work.system;
         self.y[system.nq..].iter().fold(0.0_f64, |a, u| a.max(u.abs()))
     }
+}
+
+/// Largest difference of the velocities between two states.
+fn velocity_jump(model: &Model, a: &[f64], b: &[f64]) -> f64 {
+    let slots = velocity_inputs(model).into_iter().map(|(input, _)| model.input_index(input));
+    slots.map(|i| (a[i] - b[i]).abs()).fold(0.0, f64::max)
 }
 
 fn moved(y: &[f64], nq: usize, impact: &Impact) -> Vec<f64> {

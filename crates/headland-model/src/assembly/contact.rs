@@ -105,6 +105,10 @@ impl<'g> Builder<'_, 'g> {
             self.low.derived.push(DerivedQuantity { name: full.clone(), input: node, what });
             self.publish(full, graph.expr(node), newton.clone());
         }
+        let mode = format!("{name}.mode");
+        let node = self.low.dependence.input(graph, &mode, Kinds::ACCELERATION);
+        self.low.derived.push(DerivedQuantity { name: mode.clone(), input: node, what: Derived::Mode(index) });
+        self.publish(mode, graph.expr(node), Dimension::NONE);
         let (f, n) = (Vector(force.map(|f| graph.expr(f))), graph.expr(normal_force));
         let across = f - touch.normal * n;
         self.publish(format!("{name}.friction"), across.norm(), newton);
