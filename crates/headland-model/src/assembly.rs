@@ -234,16 +234,25 @@ impl<'s, 'g> Builder<'s, 'g> {
         }
     }
 
+    /// Keeps the name of an element in which something is wrong.
+    fn remember(&mut self, made: Made<()>, element: &SceneElement) {
+        if let (Err(_), Some(Data::Text(name))) = (made, element.get("name").map(|v| &v.data)) {
+            self.low.unmade.push(name.split('[').next().unwrap_or_default().trim().into());
+        }
+    }
+
     /// Constraints and forces between frames; definitions may be used here.
     pub(crate) fn assembly_elements(&mut self) {
         for section in ["rolling", "contact", "tyre", "skate", "gear", "spring", "bushing"] {
             self.no_name_twice(section);
         }
         for element in self.scene.section_elements("rolling") {
-            let _ = self.rolling(element);
+            let made = self.rolling(element);
+            self.remember(made, element);
         }
         for element in self.scene.section_elements("contact") {
-            let _ = self.contact(element);
+            let made = self.contact(element);
+            self.remember(made, element);
         }
         for element in self.scene.section_elements("tyre") {
             let _ = self.tyre(element);

@@ -73,6 +73,8 @@ pub struct Lowering<'g> {
     pub(crate) derived_names: FxHashMap<String, (Derived, Dimension)>,
     /// Sums over all bodies and, when outputs are made, residuals of constraints, by name.
     pub(crate) totals: FxHashMap<String, Typed<'g>>,
+    /// Names of elements in which something is wrong, so that what follows from them is not told again.
+    pub(crate) unmade: Vec<String>,
     /// Those that were used.
     pub(crate) derived: Vec<DerivedQuantity>,
     /// Motions of the frames, once they are known.
@@ -125,6 +127,7 @@ impl<'g> Lowering<'g> {
             derived_names: FxHashMap::default(),
             derived: Vec::new(),
             totals: FxHashMap::default(),
+            unmade: Vec::new(),
             used: FxHashSet::default(),
         }
     }

@@ -41,6 +41,9 @@ impl<'g> Lowering<'g> {
             return found;
         }
         let Some((symbol, _, kind)) = self.symbols.by_name.get_full(name) else {
+            if name.split_once('.').is_some_and(|(of, _)| self.unmade.iter().any(|n| n == of)) {
+                return Err(Reported);
+            }
             let names = self.symbols.by_name.keys().map(|k| &**k).chain(["pi"]);
             let hint = suggestion(name, names);
             return Err(self.report(place, format!("undefined name `{name}`{hint}")));
@@ -179,6 +182,9 @@ impl<'g> Lowering<'g> {
             let known = ["fx", "fy", "fz", "tx", "ty", "tz", "force", "power", "kinetic_energy", "potential_energy"];
             if !(known.contains(&part) || part.ends_with("residual")) || self.symbols.by_name.contains_key(name) {
                 return None;
+            }
+            if self.unmade.iter().any(|n| Some(n.as_str()) == name.split('.').next()) {
+                return Some(Err(Reported));
             }
             let names = self.derived_names.keys().chain(self.totals.keys());
             let hint = suggestion(&full, names.map(String::as_str));

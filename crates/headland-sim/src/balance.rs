@@ -70,7 +70,8 @@ impl Balance {
     /// Notes the state at the start.
     pub fn open(&mut self, problem: &mut Problem, t: f64, y: &[f64]) {
         let (kinetic, potential, _) = self.evaluate(problem, t, y);
-        self.start = Some(kinetic + potential);
+        // impacts at the start were before this state
+        self.start = Some(kinetic + potential - self.work);
         self.largest = kinetic.abs() + potential.abs();
     }
 

@@ -38,6 +38,7 @@ pub(crate) fn limits(model: &Model, graph: &Graph, nodes: &[NodeId], slides_from
         direction_at += if contact.friction.is_some() { SLIDE } else { 0 };
         if contact.mode == Mode::Free {
             watch(Limit::Gap, at(0));
+            all.push((Watch::Nearest, graph.id(at(1)))); // a gap that closes and opens again within a step is seen there
             continue;
         }
         let normal = at(15);

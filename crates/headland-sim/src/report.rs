@@ -97,7 +97,7 @@ pub struct RunReport {
     /// Median of the repeats, where there are several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub run_s_median: Option<f64>,
-    /// Operations of one evaluation of the right-hand side.
+    /// Operations of one evaluation of the right-hand side, of the equations that were in use at the end.
     pub operations: usize,
     /// What evaluates.
     pub evaluator: &'static str,

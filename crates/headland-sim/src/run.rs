@@ -83,7 +83,7 @@ pub fn run(model: &Model, options: &RunOptions, observer: &mut dyn Observer) -> 
         compile_s: compile_s + ending.compile_s,
         run_s: times[0],
         run_s_median: median,
-        operations: system.operations(),
+        operations: ending.operations,
         evaluator: system.evaluator(),
         algorithm: prepared.equations.algorithm,
         algorithm_why: prepared.equations.why.clone(),

@@ -28,6 +28,8 @@ pub enum Watch {
     Warning(usize),
     /// A corner of forces, by its position among the model's switches.
     Switch(usize),
+    /// Where the gap of a free contact is smallest or largest: nothing happens there.
+    Nearest,
     /// What may end the mode of a contact, by its position; only where it falls below zero.
     Contact(usize, Limit),
 }

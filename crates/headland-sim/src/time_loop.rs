@@ -61,6 +61,7 @@ pub(crate) struct Ending {
     pub(crate) why: String,
     pub(crate) t: f64,
     pub(crate) stats: Stats,
+    pub(crate) operations: usize,
     pub(crate) repartitions: u64,
     pub(crate) mode_changes: u64,
     pub(crate) derive_s: f64,
@@ -112,6 +113,7 @@ impl<'m> TimeLoop<'m> {
                 why: String::new(),
                 t: options.from,
                 stats: Stats::default(),
+                operations: 0,
                 repartitions: 0,
                 mode_changes: 0,
                 derive_s: 0.0,
@@ -476,7 +478,7 @@ impl<'m> TimeLoop<'m> {
                 let limit = self.model.guards[i].stop_below.unwrap_or_default();
                 self.stop_by_guard(t, i, limit, limit);
             }
-            Watch::Guard(_) | Watch::Contact(..) | Watch::Switch(_) => {}
+            Watch::Guard(_) | Watch::Contact(..) | Watch::Switch(_) | Watch::Nearest => {}
             Watch::Warning(i) => {
                 if !rising && !self.warned[i] {
                     self.warn_of_guard(t, i, self.model.guards[i].warn_below.unwrap_or_default(), observer);
@@ -514,7 +516,9 @@ impl<'m> TimeLoop<'m> {
     /// What the loop has found out.
     pub(crate) fn end(mut self) -> Ending {
         add(&mut self.ending.stats, self.integrator.stats());
-        self.ending.t = self.integrator.t();
+        let t = self.integrator.t();
+        self.ending.t = if t.is_finite() { t } else { self.options.from }; // it never began
+        self.ending.operations = self.work.system.operations();
         self.ending.method = self.method.name();
         self.ending.why = self.why;
         self.ending.energy_balance = self.balance.as_ref().map(|b| b.defect());

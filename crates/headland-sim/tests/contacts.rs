@@ -3,7 +3,7 @@
 mod common;
 
 use common::{build, done, read, run_with, set};
-use headland_sim::{Run, Status};
+use headland_sim::{Run, RunOptions, Silent, Status, run};
 
 const G: f64 = 9.81;
 
@@ -425,4 +425,65 @@ fn a_ball_falls_between_two() {
             );
         }
     }
+}
+
+const RECESS: &str = include_str!("../../../models/ball_in_recess.toml");
+const SLIDING: &str = include_str!("../../../models/ball_in_recess_sliding.toml");
+
+/// What is said of a scene with settings; nothing where it can be built.
+fn refusal(text: &str, settings: &[(&str, &str)]) -> String {
+    let mut scene = read(text);
+    set(&mut scene, settings);
+    match scene.build() {
+        Ok(model) => match run(&model, &RunOptions::of(&model), &mut Silent) {
+            Ok(run) => format!("{:?}", run.report.status),
+            Err(error) => error.to_string(),
+        },
+        Err(error) => error.to_string(),
+    }
+}
+
+#[test]
+fn wrong_input_has_its_own_message() {
+    for (text, settings, said) in [
+        (RECESS, ("r", "0.6"), "a ball of radius 0.6 m does not fit into the sphere of radius 0.5 m"),
+        (RECESS, ("r", "0.5"), "does not fit"),
+        (SLIDING, ("r", "0.6"), "does not fit"),
+        (RECESS, ("r", "-0.1"), "`radius` is -0.1 m; it must be above 0"),
+        (RECESS, ("ball.x'", "1"), "the initial rates contradict the constraints: `ball.x'` was given as 1"),
+        (SLIDING, ("mu", "-0.1"), "`friction` is -0.1; it must be at least 0"),
+        (SLIDING, ("restitution", "1.5"), "`restitution` lies between 0 and 1"),
+        (SLIDING, ("ball.x", "0.6 m"), "starts 2.420e-1 m inside its surface; move the body"),
+    ] {
+        let message = refusal(text, &[settings]);
+        assert!(message.contains(said), "{settings:?}: {message}");
+        assert!(!message.contains("undefined name"), "{settings:?}: what follows is told again: {message}");
+    }
+    // one that starts outside its recess and rolls is moved, and that is said
+    let mut scene = read(RECESS);
+    set(&mut scene, &[("ball.x", "0.6 m"), ("azimuth_speed", "0"), ("spin", "0")]);
+    let run = run_with(&build(&scene), |o| o.until = 0.1);
+    assert_eq!(run.report.status, Status::Done);
+    assert!(run.report.log.iter().any(|e| e.message.contains("ball.x")), "{:?}", run.report.log);
+}
+
+/// Thrown against the recess at the start: an impact before the first step, its loss in the balance.
+#[test]
+fn an_impact_at_the_start_is_accounted_for() {
+    let mut scene = read(SLIDING);
+    set(&mut scene, &[("ball.x'", "1")]);
+    let run = run_with(&build(&scene), |o| (o.tolerance, o.until) = (1e-10, 0.1));
+    assert_eq!(run.report.status, Status::Done);
+    assert_eq!(times(&run, "hits at 0.642788 m/s"), [0.0]);
+    assert!(run.report.energy_balance.is_some_and(|b| b < 1e-9), "{:?}", run.report.energy_balance);
+}
+
+/// In flight nothing of the friction is used.
+#[test]
+fn friction_used_in_flight_is_none() {
+    let mut scene = read(SLIDING);
+    set(&mut scene, &[("ball.z'", "1"), ("azimuth_speed", "0")]);
+    let run = run_with(&build(&scene), |o| (o.tolerance, o.until) = (1e-8, 0.02));
+    assert_eq!(run.trajectory.named("contact.used").expect("column").iter().copied().fold(0.0, f64::max), 0.0);
+    assert!(times(&run, "not finite").is_empty(), "{:?}", run.report.log);
 }

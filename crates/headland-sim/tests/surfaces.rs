@@ -88,6 +88,49 @@ fn one_surface_said_in_two_ways() {
     }
 }
 
+/// A polynomial that a spline of degree 5 has exactly, by its table, by its formula, and half by each.
+#[test]
+fn a_table_is_ground_as_its_formula_is() {
+    let places: Vec<f64> = (-8..=8).map(|i| 0.25 * f64::from(i)).collect();
+    let bowl = |x: f64, y: f64| 0.2 * x * x + 0.3 * y * y + 0.05 * x * x * x * y;
+    let rows: Vec<Vec<f64>> = places.iter().map(|y| places.iter().map(|x| bowl(*x, *y)).collect()).collect();
+    let start = format!(
+        "\"ball.x\" = 0\n\"ball.y\" = 0\n\"ball.z\" = 0.1\n\"ball.x'\" = 1.1\n\"ball.y'\" = 0.8\n\"ball.wz\" = 3\n\
+         [tables]\nhills = {{ x = {places:?}, y = {places:?}, z = {rows:?}, x_unit = \"m\", y_unit = \"m\", z_unit = \"m\" }}\n"
+    );
+    let formula = "0.2[1/m]*x^2 + 0.3[1/m]*y^2 + 0.05[1/m^3]*x^3*y";
+    for (section, keys) in SECTIONS {
+        let by = |height: &str| {
+            run(&scene(section, keys, &format!("shape = \"height\"\nheight = \"{height}\"\n"), &start), 3.0)
+        };
+        let wanted = by(formula);
+        for height in ["hills(x, y)".to_string(), format!("0.5*hills(x, y) + 0.5*({formula})")] {
+            let worst = difference(&by(&height), &wanted);
+            println!("{section} {height}: {worst:e}");
+            assert!(worst < 1e-11, "{section} {height}: {worst:e}");
+        }
+    }
+}
+
+/// What is no ball has a place of contact with coordinates of its own: with the third derivatives of the distance.
+#[test]
+fn discs_keep_their_energy_in_ellipsoids_and_on_heights() {
+    let surfaces = [
+        BOWL,
+        "shape = \"height\"\nheight = \"0.2[1/m]*x^2 + 0.3[1/m]*y^2\"\nat = [0, 0, -0.9]\n",
+        "shape = \"revolution\"\nprofile = \"0.3*r^2/1[m] - 0.9[m]\"\nrange = [0, 2]\n",
+    ];
+    for surface in surfaces {
+        let start = "\"ball.x\" = 0.1\n\"ball.y\" = 0\n\"ball.qw\" = 1\n\"ball.qx\" = 0.1\n\"ball.qy\" = 0\n\"ball.qz\" = 0\n\
+                     \"ball.z\" = -0.8\n\"ball.wy\" = 6\n\"ball.wx\" = 0\n\"ball.wz\" = 0.5\n";
+        let run = run(&scene("rolling", "axis = \"y\"\n", surface, start), 2.0);
+        let balance = run.report.energy_balance.expect("a balance");
+        let moved = run.trajectory.rows.iter().map(|r| (r[0] - run.trajectory.rows[0][0]).abs()).fold(0.0, f64::max);
+        println!("{surface}{balance:e}, moved {moved}");
+        assert!(balance < 1e-11 && moved > 0.1, "{surface}{balance:e}, moved {moved}");
+    }
+}
+
 /// Builds or begins, and must say why not.
 fn refused(text: &str) -> String {
     match read(text).build() {

@@ -44,18 +44,19 @@ fn compare(linear: &Linearised, spin: &str, factor: &str) -> Vec<(String, f64, f
     let (stiff, whirl) = (GRAVITY / ((1.0 + k) * a), k * BALL * spin.abs() / ((1.0 + k) * a));
     let root = (whirl * whirl / 4.0 + stiff).sqrt();
     let fast = root + whirl / 2.0;
-    let mut expected = vec![fast, stiff / fast];
+    let slow = stiff / fast;
     let Ok(mut modes) = linear.modes() else { return vec![("modes".into(), f64::NAN, 0.0)] };
-    expected = expected.into_iter().flat_map(|w| [w, -w]).collect();
-    modes.sort_by(|a, b| b.im.abs().total_cmp(&a.im.abs()).then(b.im.total_cmp(&a.im)));
+    if modes.len() < 4 {
+        return vec![("eigenvalues too few".into(), f64::NAN, 0.0)];
+    }
+    let mut expected = vec![0.0; modes.len() - 4];
+    expected.extend([fast, slow, -slow, -fast]);
+    expected.sort_by(|a, b| b.total_cmp(a));
+    modes.sort_by(|a, b| b.im.total_cmp(&a.im));
     let mut all = Vec::new();
-    for (i, mode) in modes.iter().enumerate() {
-        let reference = expected.get(i).copied().unwrap_or(0.0);
+    for (mode, reference) in modes.iter().zip(expected) {
         all.push((format!("Im λ ({reference:.3})"), mode.im, reference));
         all.push((format!("Re λ ({reference:.3})"), mode.re, 0.0));
-    }
-    if modes.len() < expected.len() {
-        all.push(("eigenvalues too few".into(), f64::NAN, 0.0));
     }
     all
 }

@@ -109,7 +109,9 @@ impl<'g> Builder<'_, 'g> {
         let across = f - touch.normal * n;
         self.publish(format!("{name}.friction"), across.norm(), newton);
         if let Some(friction) = &friction {
-            let used = across.norm() / (graph.expr(friction.limit) * n);
+            // in flight nothing is there and nothing is used
+            let available = (graph.expr(friction.limit) * n).max(number(f64::MIN_POSITIVE));
+            let used = across.norm() / available;
             self.publish(format!("{name}.used"), used, Dimension::NONE);
         }
         self.parts.contacts.push(Contact {

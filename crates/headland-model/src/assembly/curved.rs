@@ -123,7 +123,7 @@ impl<'g> Builder<'_, 'g> {
         ground: &Ground<'g>,
         may_leave: bool,
     ) {
-        if ground.field().is_none() || ball.is(0.0) {
+        if ground.field().is_none() || ground.facets().is_some() || ball.is(0.0) {
             return;
         }
         let c = Vector([0, 1, 2].map(|i| relative.distance(i)[0]));
