@@ -120,7 +120,7 @@ pub(crate) const CASES: &[Case] = &[
         name: "tractor_implement_relaxation_tyres",
         scene: model!("tractor_implement"),
         expected: tractor_implement,
-        bite: ("C[3]", "131e3"),
+        bite: ("C[3]", "131.3"),
         source: TRAINS,
         ..Case::USUAL
     },
