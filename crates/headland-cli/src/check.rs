@@ -10,7 +10,7 @@ use crate::load::{derive_failure, load};
 use crate::{Failure, SceneArgs, print};
 
 pub(crate) fn check(args: &SceneArgs) -> Result<(), Failure> {
-    let model = load(args, &[])?;
+    let model = load(args, &[])?.at_start();
     let equations = derive(&model, &DeriveOptions { compare: true, ..DeriveOptions::default() })
         .map_err(|e| derive_failure(&model, &e))?;
     let start = headland::dynamics::initial_velocities(&model, &equations.kinematics)

@@ -109,6 +109,11 @@ impl Model {
         model
     }
 
+    /// The model with which a run begins: contacts whose start the scene leaves open are free until looked at.
+    pub fn at_start(&self) -> Model {
+        self.in_modes(&self.contacts.iter().map(|c| c.start.unwrap_or(Mode::Free)).collect::<Vec<_>>())
+    }
+
     /// Leaves out rows of the kinematics; what refers to rows goes on to mean the same ones.
     fn drop_rows(&mut self, dropped: &[bool]) {
         let mut next = 0;

@@ -71,8 +71,7 @@ pub(crate) fn model_at_start<'m>(scene: &'m Model, arena: &'m Arena<Model>) -> &
     if scene.contacts.is_empty() {
         return scene;
     }
-    let modes: Vec<Mode> = scene.contacts.iter().map(|c| c.start.unwrap_or(Mode::Free)).collect();
-    arena.alloc(scene.in_modes(&modes))
+    arena.alloc(scene.at_start())
 }
 
 impl<'m> Contacts<'m> {
